@@ -1,0 +1,1 @@
+"""Corral: a dynamic set-membership filter for moving robot teams."""

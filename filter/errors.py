@@ -1,0 +1,56 @@
+"""The errors Corral raises: one base, subclasses that carry data.
+
+Nothing a solver throws escapes, and no input is checked by `assert`. An error leaves every belief as it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+
+class CorralError(Exception):
+    """Base of every error that Corral raises on purpose."""
+
+
+class InvalidInput(CorralError, ValueError):
+    """Something that was handed in cannot be used.
+
+    Attributes:
+        expected: What would have been accepted, in words.
+        came: What was handed in.
+    """
+
+    def __init__(self, expected: str, came: Any) -> None:
+        super().__init__(f"expected {expected}; came {came}")
+        self.expected = expected
+        self.came = came
+
+
+class OutOfOrder(CorralError, ValueError):
+    """A record belongs to another time than the belief's.
+
+    Attributes:
+        time: Time of the record [s].
+        belief_time: Time of the belief [s].
+    """
+
+    def __init__(self, what: str, time: float, belief_time: float) -> None:
+        earlier = time < belief_time
+        remedy = "it comes too late to be merged" if earlier else f"predict to {time!r} s first"
+        super().__init__(f"{what} at {time!r} s, but the belief is at {belief_time!r} s: {remedy}")
+        self.time = time
+        self.belief_time = belief_time
+
+
+class Inconsistent(CorralError):
+    """Measurements, motion bounds and prior knowledge are proved to exclude one another: some declared bound is broken.
+
+    Attributes:
+        sources: What the conflicting constraints were made from, the newest last.
+    """
+
+    def __init__(self, what: str, sources: Sequence[Any]) -> None:
+        named = "; ".join(map(str, sources))
+        super().__init__(f"{what}: no configuration satisfies all of: {named}")
+        self.sources = tuple(sources)

@@ -1,0 +1,63 @@
+"""What is known of a team for good: how many robots, where the landmarks are, how far anything can be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from filter.arrays import Array, Integers, finite, read_only
+from filter.errors import InvalidInput
+from filter.measurements import Compass, Measurement, Odometry
+
+
+@dataclass(frozen=True, eq=False)
+class Team:
+    """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ...
+
+    Attributes:
+        robots: Number of robots n, from 1 on.
+        landmarks: (l, 2) known positions of the landmarks [m].
+        speed_limit: Greatest speed of a robot without odometry [m/s]; 0 for one that never moves.
+        turn_rate_limit: Greatest turn rate of a robot without odometry [rad/s].
+        arena: (2, 2) lower and upper corner of a box that no robot leaves [m]; infinite where there is none.
+
+    Raises:
+        InvalidInput: There is no robot, a value is not finite or out of its range, or the arena is empty.
+    """
+
+    robots: int
+    landmarks: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    speed_limit: float = 1.0
+    turn_rate_limit: float = np.pi
+    arena: Array = field(default_factory=lambda: np.array([[-np.inf] * 2, [np.inf] * 2]))
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.robots, int | np.integer) or self.robots < 1:
+            raise InvalidInput("a team of at least one robot", f"{self.robots!r} robots")
+        landmarks = finite("landmark coordinates [m]", self.landmarks).reshape(-1, 2)
+        arena = np.array(self.arena, dtype=float)
+        if arena.shape != (2, 2) or not (arena[0] <= arena[1]).all():
+            raise InvalidInput("arena: (2, 2) lower corner below upper corner [m]", arena.tolist())
+        finite("speed limit [m/s]", self.speed_limit, 0)
+        finite("turn rate limit [rad/s]", self.turn_rate_limit, 0)
+        object.__setattr__(self, "landmarks", read_only(landmarks))
+        object.__setattr__(self, "arena", read_only(arena))
+
+    def check(self, record: Measurement | Odometry) -> None:
+        """Raise `InvalidInput` when the record names a robot or a target that the team does not have."""
+        self._known("robot", record.robot, self.robots)
+        if not isinstance(record, Compass | Odometry):
+            self._known("target", record.target, self.robots + len(self.landmarks))
+
+    def _known(self, role: str, bodies: Integers, count: int) -> None:
+        unknown = bodies[bodies >= count]
+        if len(unknown):
+            last = self.robots + len(self.landmarks) - 1
+            marks = f" and landmarks {self.robots} to {last}" if len(self.landmarks) else " and no landmark"
+            known = f"robots 0 to {self.robots - 1}" + (marks if role == "target" else "")
+            raise InvalidInput(f"a {role} among {known}", f"{role} {unknown[0]}")
+
+    def name(self, body: int) -> str:
+        """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks."""
+        return f"r{body}" if body < self.robots else f"l{body - self.robots}"

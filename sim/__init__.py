@@ -1,0 +1,1 @@
+"""MuJoCo simulates the team: world, drive, sensors, episode."""

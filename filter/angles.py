@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Mask, read_only
+from filter.arrays import Array, Floats, Integers, Mask, read_only
 
 # One operation on angles of a few turns is off by a few units in the last place of 2 pi; this covers it many times.
 ROUNDING = 1e-14
@@ -46,8 +46,14 @@ class AngularIntervals:
     def __len__(self) -> int:
         return len(self.centre)
 
-    def __getitem__(self, index: slice | Array) -> AngularIntervals:
+    def __getitem__(self, index: slice | Integers) -> AngularIntervals:
         return AngularIntervals(self.centre[index], self.bound[index])
+
+    def replaced(self, index: Integers, arcs: AngularIntervals) -> AngularIntervals:
+        """Return the arcs with some of them, by (k,) index, replaced by k others."""
+        centre, bound = self.centre.copy(), self.bound.copy()
+        centre[index], bound[index] = arcs.centre, arcs.bound
+        return AngularIntervals(centre, bound)
 
     @property
     def empty(self) -> Mask:
@@ -63,7 +69,7 @@ class AngularIntervals:
         """Return (k,) whether each arc contains the angle [rad]."""
         return np.abs(wrap(np.asarray(angle) - self.centre)) <= self.bound
 
-    def turned(self, by: Floats, bound: Floats = 0.0) -> AngularIntervals:
+    def turned(self, by: Array | float, bound: Array | float = 0.0) -> AngularIntervals:
         """Return the arcs after a turn by `by +- bound` [rad]: {a + t}."""
         allowance = ROUNDING * (1 + np.abs(by))
         return AngularIntervals(self.centre + by, np.where(self.empty, self.bound, self.bound + bound + allowance))

@@ -1,0 +1,105 @@
+"""Every constraint is a half-plane on one robot or on a pair: normal . (x_j - x_i) <= offset.
+
+Kept as a struct of arrays, never as a list of objects, so that prediction, pruning and the cut-out of sub-teams are a
+few array expressions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from scipy import sparse
+
+from filter.arrays import Array, Integers, Mask, read_only
+from filter.polygon import EPSILON
+
+WORLD = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """Rows normal . (x_j - x_i) <= offset; with i = WORLD, normal . x_j <= offset.
+
+    Attributes:
+        i: (r,) robot, or WORLD; always below j.
+        j: (r,) robot.
+        normal: (r, 2) of length 1 to rounding.
+        offset: (r,) [m].
+        source: (r,) what produced the row, a number in the belief's table of sources.
+    """
+
+    i: Integers
+    j: Integers
+    normal: Array
+    offset: Array
+    source: Integers
+
+    def __post_init__(self) -> None:
+        for column in fields(self):
+            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
+
+    @classmethod
+    def none(cls) -> Constraints:
+        """Return zero rows."""
+        index = np.zeros(0, dtype=np.int64)
+        return cls(index, index, np.zeros((0, 2)), np.zeros(0), index)
+
+    @classmethod
+    def between(cls, i: Integers, j: Integers, normal: Array, offset: Array, source: Integers) -> Constraints:
+        """Return rows on pairs in either order, turned so that i is below j."""
+        swapped = i > j
+        sign = np.where(swapped, -1.0, 1.0)[:, None]
+        return cls(np.where(swapped, j, i), np.where(swapped, i, j), sign * normal, offset, source)
+
+    @classmethod
+    def on_robot(cls, robot: int, normal: Array, offset: Array, source: Integers) -> Constraints:
+        """Return absolute rows on one robot."""
+        return cls(np.full(len(offset), WORLD), np.full(len(offset), robot), normal, offset, source)
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Constraints]) -> Constraints:
+        """Return all rows of the parts, in their order."""
+        return cls(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(cls)))
+
+    def __len__(self) -> int:
+        return len(self.offset)
+
+    def select(self, rows: Integers | Mask) -> Constraints:
+        """Return some of the rows, by index or mask."""
+        return Constraints(*(getattr(self, column.name)[rows] for column in fields(self)))
+
+    def shifted(self, by: Array) -> Constraints:
+        """Return the rows with offsets changed by (r,) amounts [m], the sum's rounding on the outer side."""
+        offset = self.offset + by
+        outward = offset + 4 * EPSILON * (np.abs(self.offset) + np.abs(by))
+        return Constraints(self.i, self.j, self.normal, outward, self.source)
+
+    def matrix(self, bodies: int) -> sparse.csr_array:
+        """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""
+        rows = np.arange(len(self))
+        pair = np.flatnonzero(self.i != WORLD)
+        row = np.concatenate([np.repeat(rows, 2), np.repeat(pair, 2)])
+        column = np.concatenate([_coordinates(self.j), _coordinates(self.i[pair])])
+        value = np.concatenate([self.normal.ravel(), -self.normal[pair].ravel()])
+        return sparse.csr_array((value, (row, column)), shape=(len(self), 2 * bodies))
+
+
+def _coordinates(bodies: Integers) -> Integers:
+    return np.asarray((2 * bodies[:, None] + np.arange(2)).ravel())
+
+
+def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
+    """Return (r,) how much computed normals and offsets can be off within a box, in the unit of the offsets [m].
+
+    Angles carry their own allowance, so what is left is the rounding of one sine, cosine or product per entry: a few
+    units in the last place of the normal times the greatest difference of the two positions, and of the offset.
+
+    Args:
+        rows: Rows just built, all of them on pairs.
+        lower: (bodies, 2) least coordinates [m].
+        upper: (bodies, 2) greatest coordinates [m].
+    """
+    difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
+    return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))

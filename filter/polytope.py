@@ -1,0 +1,59 @@
+"""The team's polytope: constraints within a box, and what it says of one robot or one pair at a glance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from filter.arrays import Array, Integers, read_only
+from filter.constraints import WORLD, Constraints
+from filter.lp import LinearProgram
+from filter.polygon import Polygon, clip
+
+
+@dataclass(frozen=True, eq=False)
+class Polytope:
+    """The set of configurations {x : constraints, lower <= x <= upper}.
+
+    Attributes:
+        constraints: Rows on the bodies.
+        lower: (n, 2) least coordinates, finite [m].
+        upper: (n, 2) greatest coordinates, finite; equal to the lower ones where anchored [m].
+    """
+
+    constraints: Constraints
+    lower: Array
+    upper: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lower", read_only(self.lower))
+        object.__setattr__(self, "upper", read_only(self.upper))
+
+    def with_constraints(self, constraints: Constraints) -> Polytope:
+        """Return the same box with other rows."""
+        return Polytope(constraints, self.lower, self.upper)
+
+    def program(self) -> LinearProgram:
+        """Return the polytope as a linear program in (x_0, y_0, x_1, y_1, ...)."""
+        return LinearProgram(
+            self.constraints.matrix(len(self.lower)), self.constraints.offset, self.lower.ravel(), self.upper.ravel()
+        )
+
+    def of_robot(self, robot: int) -> tuple[Polygon, Integers]:
+        """Return a polygon around one robot, from its own rows alone, and the row behind each edge (negative: the box)."""
+        rows = np.flatnonzero((self.constraints.i == WORLD) & (self.constraints.j == robot))
+        return self._clipped(rows, self.lower[robot], self.upper[robot])
+
+    def of_pair(self, i: int, j: int) -> tuple[Polygon, Integers]:
+        """Return a polygon around x_j - x_i for i < j, from the pair's rows alone, and the row behind each edge."""
+        rows = np.flatnonzero((self.constraints.i == i) & (self.constraints.j == j))
+        lower, upper = self.lower[j] - self.upper[i], self.upper[j] - self.lower[i]
+        return self._clipped(rows, np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf))
+
+    def _clipped(self, rows: Integers, lower: Array, upper: Array) -> tuple[Polygon, Integers]:
+        kept = clip(self.constraints.normal[rows], self.constraints.offset[rows], lower, upper)
+        if kept is None:  # proved to be empty: not to be judged here, and the box contains the empty set, too
+            return Polygon.box(lower, upper), np.arange(-4, 0)
+        polygon, edges = kept
+        return polygon, np.append(rows, np.arange(-4, 0))[edges]  # a negative edge is itself, counted from the end

@@ -1,0 +1,251 @@
+"""The projection of the team's polytope onto a plane, from inside and from outside (sections 5 to 7 of the paper).
+
+Each search maximises one direction: it gives a point of the projection and a line that supports it. The hull of the
+points is inside, the intersection of the half-planes outside; between two neighbouring points the two differ by a
+triangle, and the largest triangle is searched next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from filter.arrays import Array, Integers, finite, read_only
+from filter.errors import InvalidInput
+from filter.lp import LinearProgram
+from filter.polygon import EPSILON, Polygon, area_of, clip
+from filter.solvers import Workspace
+
+Reason = Literal["performance ratio", "area gap", "searches", "exact", "solver"]
+
+# A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
+NEGLIGIBLE = 1e-12
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When a search ends: at whichever comes first.
+
+    Attributes:
+        performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
+        area_gap: Outer area less inner area (eq. 6) [m2], from 0 on.
+        searches: Number of searches, from 4 on.
+
+    Raises:
+        InvalidInput: A number is not finite or out of its range.
+    """
+
+    performance_ratio: float = 0.95
+    area_gap: float = 0.0
+    searches: int = 16
+
+    def __post_init__(self) -> None:
+        finite("performance ratio", self.performance_ratio, 0, 1)
+        finite("area gap [m2]", self.area_gap, 0)
+        if self.searches < 4:
+            raise InvalidInput("at least 4 searches", self.searches)
+
+    def reason(self, inner_area: float, gap: float, searches: int) -> Reason | None:
+        """Return why to end here, or None to go on."""
+        if inner_area >= self.performance_ratio * (inner_area + gap):
+            return "performance ratio"
+        if gap <= self.area_gap:
+            return "area gap"
+        return "searches" if searches >= self.searches else None
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """What is known of a projection after some searches.
+
+    Attributes:
+        outer: Contains the projection: proved.
+        edges: (e,) the search behind each edge of the outer polygon; negative for an edge of the program's box.
+        inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
+        directions: (s, 2) searched directions, of length 1.
+        multipliers: (s, r) the proof of each outer edge, a weight for each row of the program.
+        inner_areas: (s,) area inside after each search, as the solver has it [m2].
+        outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2].
+        reason: Why the search ended.
+    """
+
+    outer: Polygon
+    edges: Integers
+    inner: Polygon | None
+    directions: Array
+    multipliers: Array
+    inner_areas: Array
+    outer_areas: Array
+    reason: Reason
+
+    def __post_init__(self) -> None:
+        for name in ("edges", "directions", "multipliers", "inner_areas", "outer_areas"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def searches(self) -> int:
+        """Number of searches."""
+        return len(self.directions)
+
+    @property
+    def performance_ratio(self) -> float:
+        """Area inside over area outside (eq. 7), in [0, 1]; 0 without an inner polygon."""
+        return performance_ratio(self.inner, self.outer)
+
+
+def performance_ratio(inner: Polygon | None, outer: Polygon) -> float:
+    """Return area inside over area outside (eq. 7), in [0, 1]; 1 for two polygons without area, 0 without an inner one."""
+    if inner is None:
+        return 0.0
+    return min(1.0, inner.area / outer.area) if outer.area > 0 else 1.0
+
+
+def position(robot: int, robots: int) -> Array:
+    """Return D (2, 2 robots) of the projection onto a robot's position (eq. 2)."""
+    D = np.zeros((2, 2 * robots))
+    D[:, 2 * robot : 2 * robot + 2] = np.eye(2)
+    return D
+
+
+def relative_position(i: int, j: int, robots: int) -> Array:
+    """Return D (2, 2 robots) of the projection onto x_i - x_j (eq. 3)."""
+    return position(i, robots) - position(j, robots)
+
+
+def project(program: LinearProgram, solver: Workspace, D: Array, interior: Array, stop: Stop) -> Projection:
+    """Project the program's polytope by any D (2, v): {D x}.
+
+    Args:
+        program: The polytope.
+        solver: A workspace on the same program.
+        D: (2, v).
+        interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
+        stop: When to end.
+
+    Algorithm:
+        Section 7 of the paper: two opposite searches, two normal to the line between their points, then always
+        normal to the inner edge of the largest triangle. The bounds on areas hold for any points of the optimal
+        faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
+    """
+    search = _Search(solver, D, stop)
+    search.run()
+    directions, points = np.array(search.directions).reshape(-1, 2), np.array(search.points).reshape(-1, D.shape[1])
+    multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
+    return Projection(
+        *_outer(program, D, directions, multipliers),
+        _inner(program, D, points, interior),
+        directions,
+        multipliers,
+        np.array(search.inner_areas),
+        np.array(search.outer_areas),
+        search.reason,
+    )
+
+
+def _outer(program: LinearProgram, D: Array, directions: Array, multipliers: Array) -> tuple[Polygon, Integers]:
+    middle, reach = D @ program.centre, np.abs(D) @ program.radius
+    reach = reach + 4 * EPSILON * (np.abs(middle) + reach)
+    kept = clip(directions, program.certified_bounds(directions @ D, multipliers), middle - reach, middle + reach)
+    # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
+    return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
+
+
+def _inner(program: LinearProgram, D: Array, points: Array, interior: Array) -> Polygon | None:
+    pulled = program.pulled(points, interior)
+    feasible = pulled[program.holds(pulled)]
+    return Polygon.from_vertices(feasible @ D.T) if len(feasible) else None
+
+
+@dataclass
+class _Support:
+    """One search: its direction, the greatest extent along it, the point reached, and the triangle up to the next."""
+
+    direction: Array
+    extent: float
+    point: Array
+    triangle: float = 0.0
+
+
+@dataclass
+class _Search:
+    """The searches of one projection, and its supports in counter-clockwise order."""
+
+    solver: Workspace
+    D: Array
+    stop: Stop
+    supports: list[_Support] = field(default_factory=list)
+    directions: list[Array] = field(default_factory=list)
+    points: list[Array] = field(default_factory=list)
+    multipliers: list[Array] = field(default_factory=list)
+    inner_areas: list[float] = field(default_factory=list)
+    outer_areas: list[float] = field(default_factory=list)
+    reason: Reason = "solver"
+
+    def run(self) -> None:
+        if not self._begin():
+            return
+        while True:
+            gap = sum(support.triangle for support in self.supports)
+            inner_area = area_of(np.array([support.point for support in self.supports]))
+            self._record(inner_area, inner_area + gap)
+            reason = self.stop.reason(inner_area, gap, len(self.directions))
+            k = int(np.argmax([support.triangle for support in self.supports]))
+            if reason or self.supports[k].triangle <= NEGLIGIBLE * (inner_area + gap):
+                self.reason = reason or "exact"
+                return
+            edge = self.supports[(k + 1) % len(self.supports)].point - self.supports[k].point
+            if not self._look(k + 1, np.array([edge[1], -edge[0]])):
+                return
+
+    def _begin(self) -> bool:
+        """Make the first four searches (section 7.1); False when the solver gives up."""
+        first = np.array([1.0, 0.0])
+        if not (self._look(0, first) and self._look(1, -first)):
+            return False
+        self._record(0.0, np.inf)
+        self._record(0.0, np.inf)
+        along = self.supports[0].point - self.supports[1].point
+        if np.abs(along).max() <= NEGLIGIBLE * np.abs([support.point for support in self.supports]).max(initial=1):
+            along = first
+        across = np.array([-along[1], along[0]])
+        if not (self._look(1, across) and self._look(3, -across)):
+            return False
+        self._record(area_of(np.array([support.point for support in self.supports[:3]])), np.inf)
+        return True
+
+    def _look(self, place: int, towards: Array) -> bool:
+        """Search one direction and put its support in its place; False when the solver gives up."""
+        direction = towards / np.hypot(*towards)
+        found = self.solver.maximize(direction @ self.D)
+        if found is None:
+            return False
+        point = self.D @ found.point
+        self.supports.insert(place, _Support(direction, float(direction @ point), point))
+        self.directions.append(direction)
+        self.points.append(found.point)
+        self.multipliers.append(found.multipliers)
+        if len(self.supports) >= 4:
+            changed = range(len(self.supports)) if len(self.supports) == 4 else (place - 1, place)
+            for k in changed:
+                here, after = self.supports[k], self.supports[(k + 1) % len(self.supports)]
+                here.triangle = _triangle(here, after)
+        return True
+
+    def _record(self, inner_area: float, outer_area: float) -> None:
+        self.inner_areas.append(inner_area)
+        self.outer_areas.append(outer_area)
+
+
+def _triangle(here: _Support, after: _Support) -> float:
+    """Return the area between the line from one point to the next and their two supporting lines [m2]."""
+    (a, b), (c, d) = here.direction, after.direction
+    turn = a * d - b * c
+    if turn <= NEGLIGIBLE:
+        return 0.0
+    # Relative to the first point, the first line has offset 0 and the second one the offset `beyond`.
+    edge = after.point - here.point
+    beyond = after.extent - after.direction @ here.point
+    apex = np.array([-b, a]) * (beyond / turn)
+    return max(0.0, float(apex[0] * edge[1] - apex[1] * edge[0]) / 2)

@@ -1,0 +1,218 @@
+"""The set-membership filter: predict, then headings, merge, project, prune. A belief goes in and a new belief comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from filter.angles import AngularIntervals
+from filter.arrays import Array, Integers, finite
+from filter.belief import Belief, Source, Sources
+from filter.constraints import Constraints
+from filter.errors import Inconsistent, InvalidInput, OutOfOrder
+from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.motion import Displacements, displacements, turned_headings
+from filter.polygon import SIDES, Polygon
+from filter.polytope import Polytope
+from filter.projection import Stop
+from filter.pruning import prune
+from filter.regions import regions_at_a_glance, searched
+from filter.sensing import (
+    bearing_rows,
+    heading_arcs_of_bearing,
+    heading_arcs_of_compass,
+    on_robots,
+    range_rows,
+    spans_of_targets,
+    world_arcs,
+)
+from filter.solvers import check_solver
+from filter.team import Team
+
+
+@dataclass(frozen=True, eq=False)
+class SetMembershipFilter:
+    """Keeps a belief about a moving team that contains the truth as long as every declared bound holds.
+
+    Attributes:
+        team: The robots, the landmarks and their limits.
+        solver: "piqp", or any solver that qpsolvers has installed.
+        stop: When the search for one robot's region ends.
+        rows_per_robot: How many rows on one robot survive pruning, from 4 on.
+        rows_per_pair: How many rows on one pair survive pruning, from 4 on.
+
+    Raises:
+        InvalidInput: No such solver is installed, or a budget is too small.
+    """
+
+    team: Team
+    solver: str = "piqp"
+    stop: Stop = field(default_factory=Stop)
+    rows_per_robot: int = 12
+    rows_per_pair: int = 12
+
+    def __post_init__(self) -> None:
+        check_solver(self.solver)
+        for name in ("rows_per_robot", "rows_per_pair"):
+            if getattr(self, name) < 4:
+                raise InvalidInput(f"{name} of at least 4", getattr(self, name))
+
+    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> Belief:
+        """Return the belief before any measurement.
+
+        Args:
+            time: When [s].
+            positions: (n) a polygon around each robot; a point anchors it.
+            headings: (n) arcs around the headings, or None when nothing is known.
+
+        Raises:
+            InvalidInput: The numbers of sets and robots differ, or a set is empty.
+        """
+        robots = self.team.robots
+        if len(positions) != robots:
+            raise InvalidInput(f"one initial polygon for each of {robots} robots", f"{len(positions)} polygons")
+        known = AngularIntervals.circles(robots) if headings is None else headings
+        if len(known) != robots or known.empty.any():
+            raise InvalidInput(f"an initial arc for each of {robots} headings, none empty", f"{len(known)} arcs")
+        corners = np.array([polygon.bounds for polygon in positions])
+        lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
+        if (lower > upper).any():
+            outside = int(np.flatnonzero((lower > upper).any(axis=1))[0])
+            raise InvalidInput("initial polygons that reach into the arena", f"robot {outside} wholly outside")
+        sources, numbers = Sources().extended("initial set", float(finite("time [s]", time)), np.arange(robots))
+        rows = [
+            Constraints.on_robot(k, polygon.normals, polygon.offsets, np.full(len(polygon.offsets), numbers[k]))
+            for k, polygon in enumerate(positions)
+        ]
+        polytope = Polytope(Constraints.concatenate(rows), lower, upper)
+        return Belief.compact(float(time), polytope, known, regions_at_a_glance(polytope), sources)
+
+    def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
+        """Return the belief at a later time, after the robots have moved.
+
+        A robot that the odometry does not name can have moved within the team's limits.
+
+        Args:
+            belief: Stays as it is.
+            time: When [s].
+            odometry: The motion from the belief's time to `time`, or None.
+
+        Raises:
+            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
+            InvalidInput: The odometry ends at another time, or names an unknown robot.
+            Inconsistent: A robot has left the arena for sure.
+        """
+        if finite("time [s]", time) < belief.time:
+            raise OutOfOrder("a prediction", time, belief.time)
+        if odometry is not None:
+            self.team.check(odometry)
+            if odometry.start != belief.time:
+                raise OutOfOrder("odometry that starts", odometry.start, belief.time)
+            if odometry.time != time:
+                raise InvalidInput(f"odometry that ends at the predicted time {time!r} s", f"{odometry.time!r} s")
+        duration = time - belief.time
+        moves = displacements(odometry, belief.headings, self.team, duration)
+        headings = turned_headings(odometry, belief.headings, self.team, duration)
+        lower, upper = self._moved_box(belief, time, moves)
+        polytope = Polytope(moves.moved(belief.constraints), lower, upper)
+        return Belief.compact(time, polytope, headings, regions_at_a_glance(polytope), belief.sources)
+
+    def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
+        """Return the belief after merging measurements taken at its time, with every region searched anew.
+
+        Args:
+            belief: Stays as it is.
+            measurements: Records in any order; their order does not matter.
+
+        Raises:
+            OutOfOrder: A record is of another time than the belief.
+            InvalidInput: A record names an unknown robot or landmark.
+            Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
+        """
+        for record in measurements:
+            self.team.check(record)
+            if record.time != belief.time:
+                raise OutOfOrder(type(record).__name__.lower(), record.time, belief.time)
+        sources, numbered = _numbered(belief.sources, measurements)
+        headings = self._headings(belief, measurements)
+        polytope = self._merged(belief.polytope, headings, numbered)
+        polytope, regions, sources = searched(belief.time, polytope, sources, self.solver, self.stop)
+        pruned = prune(polytope, self.rows_per_robot, self.rows_per_pair)
+        return Belief.compact(belief.time, polytope.with_constraints(pruned), headings, regions, sources)
+
+    def _moved_box(self, belief: Belief, time: float, moves: Displacements) -> tuple[Array, Array]:
+        robots = np.arange(self.team.robots)
+        right, top, left, bottom = (moves.support(robots, np.broadcast_to(side, (len(robots), 2))) for side in SIDES)
+        lower = np.nextafter(belief.polytope.lower - np.stack([left, bottom], axis=1), -np.inf)
+        upper = np.nextafter(belief.polytope.upper + np.stack([right, top], axis=1), np.inf)
+        lower, upper = np.maximum(lower, self.team.arena[0]), np.minimum(upper, self.team.arena[1])
+        outside = np.flatnonzero((lower > upper).any(axis=1))
+        if len(outside):
+            robot = int(outside[0])
+            raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
+        return lower, upper
+
+    def _headings(self, belief: Belief, measurements: Sequence[Measurement]) -> AngularIntervals:
+        """Narrow the headings by compasses, then by bearings to targets whose direction is roughly known."""
+        headings = belief.headings
+        for record in measurements:
+            if isinstance(record, Compass):
+                headings = _narrowed(headings, record, heading_arcs_of_compass(record))
+        for record in measurements:
+            if isinstance(record, Bearing):
+                spans = spans_of_targets(belief.polytope, self.team.landmarks, record.robot, record.target)
+                headings = _narrowed(headings, record, heading_arcs_of_bearing(record, spans))
+        return headings
+
+    def _merged(self, polytope: Polytope, headings: AngularIntervals, numbered: list[tuple[Measurement, Integers]]) -> Polytope:
+        """Add the rows of all bearings, then those of all ranges, whose directions the bearings have narrowed."""
+        for record, source in numbered:
+            if isinstance(record, Bearing):
+                arcs = world_arcs(record, headings[record.robot])
+                rows = bearing_rows(record.robot, record.target, arcs, source)
+                polytope = self._with_rows(polytope, rows)
+        for record, source in numbered:
+            if isinstance(record, Range):
+                arcs = spans_of_targets(polytope, self.team.landmarks, record.robot, record.target)
+                polytope = self._with_rows(polytope, range_rows(record, arcs, source))
+        return polytope
+
+    def _with_rows(self, polytope: Polytope, rows: Constraints) -> Polytope:
+        more = on_robots(rows, polytope, self.team.landmarks)
+        return polytope.with_constraints(Constraints.concatenate([polytope.constraints, more]))
+
+
+def _numbered(sources: Sources, measurements: Sequence[Measurement]) -> tuple[Sources, list[tuple[Measurement, Integers]]]:
+    """Enter the records that make rows into the table; return it and each of these records with its (k,) numbers."""
+    numbered: list[tuple[Measurement, Integers]] = []
+    for record in measurements:
+        if not isinstance(record, Compass):
+            kind = "bearing" if isinstance(record, Bearing) else "range"
+            sources, numbers = sources.extended(kind, record.time, record.robot, record.target)
+            numbered.append((record, numbers))
+    return sources, numbered
+
+
+def _narrowed(headings: AngularIntervals, record: Compass | Bearing, arcs: AngularIntervals) -> AngularIntervals:
+    """Intersect the measuring robots' headings with (k) arcs, one measurement of each robot at a time."""
+    for turn in _turns(record.robot):
+        robots = record.robot[turn]
+        narrowed = headings[robots].intersection(arcs[turn])
+        if narrowed.empty.any():
+            first = int(np.flatnonzero(narrowed.empty)[0])
+            robot, target = int(robots[first]), int(record.target[turn][first]) if isinstance(record, Bearing) else None
+            measured = Source(type(record).__name__.lower(), record.time, robot, target)
+            raise Inconsistent(f"at {record.time} s", [Source("heading", record.time, robot), measured])
+        headings = headings.replaced(robots, narrowed)
+    return headings
+
+
+def _turns(robot: Integers) -> Iterator[Integers]:
+    """Yield indices into (k,) robots so that each robot comes at most once in a turn, and every index once in all."""
+    left = np.arange(len(robot))
+    while len(left):
+        first = np.unique(robot[left], return_index=True)[1]
+        yield left[first]
+        left = np.delete(left, first)

@@ -16,6 +16,9 @@ from filter.arrays import Array, Integers, Mask, read_only
 from filter.polygon import EPSILON
 
 WORLD = -1
+# Every fresh row is moved outward by this share of the lengths in it: far above rounding, far below any sensor. So errors
+# that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
+OUTWARD = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +93,11 @@ def _coordinates(bodies: Integers) -> Integers:
     return np.asarray((2 * bodies[:, None] + np.arange(2)).ravel())
 
 
-def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
-    """Return (r,) how much computed normals and offsets can be off within a box, in the unit of the offsets [m].
+def outward_allowance(rows: Constraints, lower: Array, upper: Array) -> Array:
+    """Return (r,) how far to move rows just built outward, within a box [m].
 
-    Angles carry their own allowance, so what is left is the rounding of one sine, cosine or product per entry: a few
-    units in the last place of the normal times the greatest difference of the two positions, and of the offset.
+    Angles carry their own allowance, so what rounding leaves is a few units in the last place of the normal times the
+    greatest difference of the two positions, and of the offset. `OUTWARD` is far more.
 
     Args:
         rows: Rows just built, all of them on pairs.
@@ -102,4 +105,4 @@ def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
         upper: (bodies, 2) greatest coordinates [m].
     """
     difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
-    return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))
+    return OUTWARD * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))

@@ -100,8 +100,8 @@ class LinearProgram:
         slack, doubt = self._slack_at(inside)
         room = np.maximum(self._slack_at(interior[None])[0], 0)
         lacking = 4 * doubt - slack
-        share = np.where(lacking > 0, lacking / np.maximum(lacking + room, np.finfo(float).tiny), 0).max(axis=1, initial=0)
-        share = np.minimum(1.0, share)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(lacking > 0, lacking / (lacking + room), 0).max(axis=1, initial=0)[:, None]
         return np.asarray(np.clip(inside + share * (interior - inside), self.lower, self.upper))
 
     def _slack_at(self, points: Array) -> tuple[Array, Array]:

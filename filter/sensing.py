@@ -10,7 +10,7 @@ import numpy as np
 
 from filter.angles import ROUNDING, AngularIntervals
 from filter.arrays import Array, Integers
-from filter.constraints import WORLD, Constraints, rounding_of_rows
+from filter.constraints import WORLD, Constraints, outward_allowance
 from filter.measurements import Bearing, Compass, Range
 from filter.polygon import EPSILON, Polygon, spans_of
 from filter.polytope import Polytope
@@ -84,7 +84,7 @@ def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constr
     """
     robots = len(polytope.lower)
     lower, upper = np.concatenate([polytope.lower, landmarks]), np.concatenate([polytope.upper, landmarks])
-    outward = rows.shifted(rounding_of_rows(rows, lower, upper))
+    outward = rows.shifted(outward_allowance(rows, lower, upper))
     fixed = outward.j >= robots
     where = np.concatenate([np.zeros((robots, 2)), landmarks])[outward.j]
     shift = -(outward.normal * where).sum(axis=1)

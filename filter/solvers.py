@@ -13,12 +13,14 @@ import piqp
 import qpsolvers
 from scipy import sparse
 
-from filter.arrays import Array, Mask
+from filter.arrays import Array, Integers
 from filter.errors import InvalidInput
 from filter.lp import LinearProgram
 
 # A coordinate narrower than this share of the widest one has no interior that a solver could find: it is held at its middle.
 NARROW = 1e-9
+# PIQP needs 8 to 15 iterations; where it needs many more the polytope is all but flat, and more of them gain nothing.
+MAX_ITERATIONS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,28 +73,44 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
 
 @dataclass(frozen=True, eq=False)
 class _Scaled:
-    """The program in units of its widest coordinate, moved to its centre, anchored coordinates left out."""
+    """The program as solvers like it: maximise c . z over G z <= h, |z| <= 1.
+
+    Every coordinate is moved to the middle of its box and measured in its radius; anchored coordinates and rows that
+    the box implies are left out; the coefficients of each row that is left add up to 1. So a solver's tolerance is
+    relative to what is known already, however small that is.
+    """
 
     program: LinearProgram
-    scale: float
-    free: Mask
-    G: sparse.csc_array
+    free: Integers
+    live: Integers
+    size: Array
+    G: sparse.csc_matrix
     h: Array
-    bound: Array
 
     @classmethod
     def of(cls, program: LinearProgram) -> _Scaled:
-        scale = float(program.radius.max(initial=0)) or 1.0
-        free = program.radius > NARROW * scale
-        G = sparse.csc_array(program.A[:, np.flatnonzero(free)])
-        return cls(program, scale, free, G, program.slack / scale, program.radius[free] / scale)
+        free = np.flatnonzero(program.radius > NARROW * program.radius.max(initial=0))
+        G = program.A[:, free] * program.radius[free]
+        size = np.asarray(abs(G).sum(axis=1))
+        live = np.flatnonzero(program.slack < size)
+        size = size[live]
+        G = sparse.csc_matrix(sparse.diags_array(1 / size) @ G[live])
+        return cls(program, free, live, size, G, program.slack[live] / size)
 
-    def candidate(self, z: Array, multipliers: Array) -> Candidate | None:
+    def objective(self, objective: Array) -> tuple[Array, float]:
+        """Return c with its greatest entry at 1, and what it was divided by."""
+        c = objective[self.free] * self.program.radius[self.free]
+        scale = float(np.abs(c).max(initial=0)) or 1.0
+        return c / scale, scale
+
+    def candidate(self, z: Array, multipliers: Array, scale: float) -> Candidate | None:
+        """Return the solver's answer in the program's own units, or None when it is no number."""
         if not np.isfinite(z).all():
             return None
-        point = self.program.centre.copy()
-        point[self.free] += self.scale * z
-        return Candidate(point, multipliers)
+        point, rows = self.program.centre.copy(), np.zeros(len(self.program.b))
+        point[self.free] += self.program.radius[self.free] * z
+        rows[self.live] = np.maximum(multipliers, 0) * scale / self.size
+        return Candidate(point, rows)
 
 
 class _Piqp:
@@ -101,23 +119,21 @@ class _Piqp:
     def __init__(self, program: LinearProgram) -> None:
         self._scaled = scaled = _Scaled.of(program)
         self._solver = piqp.SparseSolver()
-        self._solver.settings.verbose = False
-        size = int(scaled.free.sum())
-        if size:
-            nothing = sparse.csc_matrix((size, size))
-            self._solver.setup(
-                nothing, np.zeros(size), None, None, sparse.csc_matrix(scaled.G), None, scaled.h, -scaled.bound, scaled.bound
-            )
+        self._solver.settings.max_iter = MAX_ITERATIONS
+        count = len(scaled.free)
+        if count:
+            nothing, ones = sparse.csc_matrix((count, count)), np.ones(count)
+            self._solver.setup(nothing, ones, None, None, scaled.G, None, scaled.h, -ones, ones)
 
     def maximize(self, objective: Array) -> Candidate | None:
         scaled = self._scaled
-        if not scaled.free.any():
-            return Candidate(scaled.program.centre, np.zeros(len(scaled.h)))
-        self._solver.update(c=-objective[scaled.free])
-        status = self._solver.solve()
-        if status != piqp.PIQP_SOLVED:
+        c, scale = scaled.objective(objective)
+        if not len(c):
+            return scaled.candidate(c, np.zeros(len(scaled.h)), scale)
+        self._solver.update(c=-c)
+        if self._solver.solve() not in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
             return None
-        return scaled.candidate(self._solver.result.x, self._solver.result.z_u.copy())
+        return scaled.candidate(self._solver.result.x, self._solver.result.z_u, scale)
 
 
 class _Qpsolvers:
@@ -129,21 +145,15 @@ class _Qpsolvers:
 
     def maximize(self, objective: Array) -> Candidate | None:
         scaled = self._scaled
-        size = int(scaled.free.sum())
-        if not size:
-            return Candidate(scaled.program.centre, np.zeros(len(scaled.h)))
-        problem = qpsolvers.Problem(
-            sparse.csc_matrix((size, size)),
-            -objective[scaled.free],
-            sparse.csc_matrix(scaled.G),
-            scaled.h,
-            lb=-scaled.bound,
-            ub=scaled.bound,
-        )
+        c, scale = scaled.objective(objective)
+        if not len(c):
+            return scaled.candidate(c, np.zeros(len(scaled.h)), scale)
+        nothing, ones = sparse.csc_matrix((len(c), len(c))), np.ones(len(c))
+        problem = qpsolvers.Problem(nothing, -c, scaled.G, scaled.h, lb=-ones, ub=ones)
         try:
             solution = qpsolvers.solve_problem(problem, solver=self._solver)
         except Exception:  # each solver has exceptions of its own; all mean that it gives up
             return None
         if not solution.found or solution.x is None or solution.z is None:
             return None
-        return scaled.candidate(solution.x, np.asarray(solution.z, dtype=float))
+        return scaled.candidate(solution.x, np.asarray(solution.z, dtype=float), scale)

@@ -1,1 +1,34 @@
-"""Corral: a dynamic set-membership filter for moving robot teams."""
+"""Corral: a dynamic set-membership filter for moving robot teams.
+
+Read the modules in this order: errors, arrays, angles, polygon, constraints, lp, solvers, polytope, measurements, team,
+sensing, motion, projection, pruning, belief, regions, set_membership.
+"""
+
+from filter.angles import AngularIntervals
+from filter.belief import Belief, Region, Source
+from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
+from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.polygon import Polygon
+from filter.projection import Stop
+from filter.set_membership import SetMembershipFilter
+from filter.team import Team
+
+__all__ = [
+    "AngularIntervals",
+    "Bearing",
+    "Belief",
+    "Compass",
+    "CorralError",
+    "Inconsistent",
+    "InvalidInput",
+    "Measurement",
+    "Odometry",
+    "OutOfOrder",
+    "Polygon",
+    "Range",
+    "Region",
+    "SetMembershipFilter",
+    "Source",
+    "Stop",
+    "Team",
+]

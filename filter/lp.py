@@ -59,6 +59,10 @@ class LinearProgram:
     def _magnitudes(self) -> sparse.csr_array:
         return abs(self.A)
 
+    @cached_property
+    def _transposed(self) -> tuple[sparse.csr_array, sparse.csr_array]:
+        return sparse.csr_array(self.A.T), sparse.csr_array(self._magnitudes.T)
+
     def certified_bounds(self, objectives: Array, multipliers: Array) -> Array:
         """Return (k,) upper bounds of c . x over the polytope that hold in exact arithmetic [m].
 
@@ -73,8 +77,9 @@ class LinearProgram:
             Every rounding error of the evaluation is bounded by its terms' magnitudes and added.
         """
         y = np.where(np.isfinite(multipliers), np.maximum(multipliers, 0), 0)
-        residual = objectives - (self.A.T @ y.T).T
-        size = np.abs(objectives) + (self._magnitudes.T @ y.T).T
+        transposed, magnitudes = self._transposed
+        residual = objectives - (transposed @ y.T).T
+        size = np.abs(objectives) + (magnitudes @ y.T).T
         bound = objectives @ self.centre + np.abs(residual) @ self.radius + y @ self.slack
         few = FEW * (np.abs(objectives) @ np.abs(self.centre)) + 2 * (y @ self._slack_rounding)
         many = 2 * (len(self.b) + len(self.centre)) * EPSILON * (size @ self.radius + y @ np.abs(self.slack))

@@ -155,8 +155,8 @@ def spans_of(polygons: Sequence[Polygon]) -> AngularIntervals:
 
 def area_of(vertices: Array) -> float:
     """Return the area of a simple polygon with (k, 2) counter-clockwise vertices, from 0 on [m2]."""
-    x, y = (vertices - vertices[0]).T
-    return max(0.0, float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
+    x, y = (vertices[1:] - vertices[0]).T
+    return max(0.0, float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) / 2)
 
 
 def convex_hull(points: Array) -> Array:

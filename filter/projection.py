@@ -18,6 +18,9 @@ from filter.lp import LinearProgram
 from filter.polygon import EPSILON, Polygon, area_of, clip
 from filter.solvers import Workspace
 
+HalfPlanes = tuple[Array, Array]  # normals (k, 2) and offsets (k,)
+NOTHING: HalfPlanes = (np.zeros((0, 2)), np.zeros(0))
+
 Reason = Literal["performance ratio", "area gap", "searches", "exact", "solver"]
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
@@ -62,7 +65,8 @@ class Projection:
 
     Attributes:
         outer: Contains the projection: proved.
-        edges: (e,) the search behind each edge of the outer polygon; negative for an edge of the program's box.
+        edges: (e,) the search behind each edge of the outer polygon; from s on the known half-planes; negative for an
+            edge of the program's box.
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
         directions: (s, 2) searched directions, of length 1.
         multipliers: (s, r) the proof of each outer edge, a weight for each row of the program.
@@ -114,7 +118,9 @@ def relative_position(i: int, j: int, robots: int) -> Array:
     return position(i, robots) - position(j, robots)
 
 
-def project(program: LinearProgram, solver: Workspace, D: Array, interior: Array, stop: Stop) -> Projection:
+def project(
+    program: LinearProgram, solver: Workspace, D: Array, interior: Array, *, stop: Stop, known: HalfPlanes = NOTHING
+) -> Projection:
     """Project the program's polytope by any D (2, v): {D x}.
 
     Args:
@@ -122,7 +128,8 @@ def project(program: LinearProgram, solver: Workspace, D: Array, interior: Array
         solver: A workspace on the same program.
         D: (2, v).
         interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
-        stop: When to end.
+        stop: When to end; it looks at what the searches found, not at what was known.
+        known: Half-planes that contain the projection anyway; they cut the outer polygon.
 
     Algorithm:
         Section 7 of the paper: two opposite searches, two normal to the line between their points, then always
@@ -134,7 +141,7 @@ def project(program: LinearProgram, solver: Workspace, D: Array, interior: Array
     directions, points = np.array(search.directions).reshape(-1, 2), np.array(search.points).reshape(-1, D.shape[1])
     multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
     return Projection(
-        *_outer(program, D, directions, multipliers),
+        *_outer(program, D, directions, multipliers, known),
         _inner(program, D, points, interior),
         directions,
         multipliers,
@@ -144,10 +151,14 @@ def project(program: LinearProgram, solver: Workspace, D: Array, interior: Array
     )
 
 
-def _outer(program: LinearProgram, D: Array, directions: Array, multipliers: Array) -> tuple[Polygon, Integers]:
+def _outer(
+    program: LinearProgram, D: Array, directions: Array, multipliers: Array, known: HalfPlanes
+) -> tuple[Polygon, Integers]:
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
     reach = reach + 4 * EPSILON * (np.abs(middle) + reach)
-    kept = clip(directions, program.certified_bounds(directions @ D, multipliers), middle - reach, middle + reach)
+    normals = np.concatenate([directions, known[0]])
+    offsets = np.concatenate([program.certified_bounds(directions @ D, multipliers), known[1]])
+    kept = clip(normals, offsets, middle - reach, middle + reach)
     # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
     return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
 

@@ -11,7 +11,6 @@ from filter.arrays import Array, Integers
 from filter.belief import Region, Sources
 from filter.constraints import WORLD, Constraints
 from filter.errors import Inconsistent
-from filter.polygon import clip
 from filter.polytope import Polytope
 from filter.projection import Projection, Stop, position, project
 from filter.solvers import deepest_point, workspace
@@ -54,8 +53,10 @@ def searched(
     directions = workspace(program, solver)
     regions, own = [], []
     for robot in range(robots):
-        found = project(program, directions, position(robot, robots), interior, stop)
-        region, rows = _region(polytope, robot, found, int(numbers[robot]))
+        known = polytope.constraints.select((polytope.constraints.i == WORLD) & (polytope.constraints.j == robot))
+        D = position(robot, robots)
+        found = project(program, directions, D, interior, stop=stop, known=(known.normal, known.offset))
+        region, rows = _region(polytope, robot, known, found, int(numbers[robot]))
         regions.append(region)
         own.append(rows)
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
@@ -63,26 +64,18 @@ def searched(
     return Polytope(Constraints.concatenate([pairs, *own]), lower, upper), tuple(regions), sources
 
 
-def _region(polytope: Polytope, robot: int, found: Projection, number: int) -> tuple[Region, Constraints]:
-    """Cut the projection with the robot's own rows; return the region and its edges as rows."""
-    rows = polytope.constraints.select((polytope.constraints.i == WORLD) & (polytope.constraints.j == robot))
-    fresh = len(found.outer.offsets)
-    normals, offsets = np.concatenate([found.outer.normals, rows.normal]), np.concatenate([found.outer.offsets, rows.offset])
-    kept = clip(normals, offsets, polytope.lower[robot], polytope.upper[robot])
-    # None: proved to be empty, which an update will find, and name the causes, once a solver can tell.
-    outer, edges = kept or (found.outer, np.arange(fresh))
+def _region(polytope: Polytope, robot: int, known: Constraints, found: Projection, number: int) -> tuple[Region, Constraints]:
+    """Return a projection as a region with its causes, and its edges as rows."""
     causes = []
-    for edge in edges.tolist():
-        if edge < 0 or (edge < fresh and found.edges[edge] < 0):
-            causes.append(rows.source[:0])
-        elif edge < fresh:
-            causes.append(_causes(polytope, found.multipliers[found.edges[edge]]))
+    for edge in found.edges.tolist():
+        if edge >= found.searches:
+            causes.append(known.source[edge - found.searches :][:1])
         else:
-            causes.append(rows.source[edge - fresh : edge - fresh + 1])
-    source = np.concatenate([np.full(fresh, number), rows.source])
-    fixed = edges[edges >= 0]
-    region = Region(outer, found.inner, found.searches, found.reason, tuple(causes))
-    return region, Constraints.on_robot(robot, normals[fixed], offsets[fixed], source[fixed])
+            causes.append(_causes(polytope, found.multipliers[edge]) if edge >= 0 else known.source[:0])
+    region = Region(found.outer, found.inner, found.searches, found.reason, tuple(causes))
+    fixed = found.edges >= 0
+    source = np.append(np.full(found.searches, number), known.source)[found.edges[fixed]]
+    return region, Constraints.on_robot(robot, found.outer.normals[fixed], found.outer.offsets[fixed], source)
 
 
 def _causes(polytope: Polytope, multipliers: Array) -> Integers:

@@ -101,17 +101,14 @@ def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constr
 
 def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, target: Integers) -> AngularIntervals:
     """Return (k) arcs that contain the directions from robots to targets, as far as the polytope tells at a glance [rad]."""
-    polygons: dict[tuple[int, int], Polygon] = {}
-    for i, j in zip(robot.tolist(), target.tolist(), strict=True):
-        if (i, j) not in polygons:
-            polygons[i, j] = _target_seen_from(polytope, landmarks, i, j)
-    return spans_of([polygons[pair] for pair in zip(robot.tolist(), target.tolist(), strict=True)])
+    pairs, which = np.unique(np.sort([robot, target], axis=0), axis=1, return_inverse=True)
+    spans = spans_of([_second_seen_from_first(polytope, landmarks, i, j) for i, j in pairs.T.tolist()])[which.ravel()]
+    back = robot > target
+    return AngularIntervals(np.where(back, spans.centre + np.pi, spans.centre), spans.bound + np.where(back, ROUNDING, 0.0))
 
 
-def _target_seen_from(polytope: Polytope, landmarks: Array, robot: int, target: int) -> Polygon:
+def _second_seen_from_first(polytope: Polytope, landmarks: Array, i: int, j: int) -> Polygon:
     robots = len(polytope.lower)
-    if target >= robots:
-        return polytope.of_robot(robot)[0].mirrored(landmarks[target - robots])
-    if robot < target:
-        return polytope.of_pair(robot, target)[0]
-    return polytope.of_pair(target, robot)[0].mirrored(np.zeros(2))
+    if j >= robots:
+        return polytope.of_robot(i)[0].mirrored(landmarks[j - robots])
+    return polytope.of_pair(i, j)[0]

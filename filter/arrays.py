@@ -36,7 +36,7 @@ def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf
         raise InvalidInput(expected, repr(values)) from None
     wrong = ~np.isfinite(array) | (array < low) | (array > high)
     if wrong.any():
-        raise InvalidInput(expected, f"{array[wrong].flat[0]!r}")
+        raise InvalidInput(expected, array[wrong].flat[0].item())
     return array
 
 

@@ -3,4 +3,5 @@
 from pathlib import Path
 
 FOLDER = Path(__file__).parent
+ARENA = FOLDER / "arena.xml"
 DIFFDRIVE = FOLDER / "diffdrive.xml"

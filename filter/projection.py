@@ -8,6 +8,7 @@ triangle, and the largest triangle is searched next.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from filter.arrays import Array, Integers, finite, read_only
 from filter.errors import InvalidInput
 from filter.lp import LinearProgram
-from filter.polygon import EPSILON, Polygon, area_of, clip
+from filter.polygon import EPSILON, Polygon, clip
 from filter.solvers import Workspace
 
 HalfPlanes = tuple[Array, Array]  # normals (k, 2) and offsets (k,)
@@ -121,7 +122,7 @@ def relative_position(i: int, j: int, robots: int) -> Array:
 def project(
     program: LinearProgram, solver: Workspace, D: Array, interior: Array, *, stop: Stop, known: HalfPlanes = NOTHING
 ) -> Projection:
-    """Project the program's polytope by any D (2, v): {D x}.
+    """Project the program's polytope by any D (2, v), onto {D x}.
 
     Args:
         program: The polytope.
@@ -138,7 +139,8 @@ def project(
     """
     search = _Search(solver, D, stop)
     search.run()
-    directions, points = np.array(search.directions).reshape(-1, 2), np.array(search.points).reshape(-1, D.shape[1])
+    directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
+    points = np.array(search.points).reshape(-1, D.shape[1])
     multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
     return Projection(
         *_outer(program, D, directions, multipliers, known),
@@ -171,11 +173,10 @@ def _inner(program: LinearProgram, D: Array, points: Array, interior: Array) -> 
 
 @dataclass
 class _Support:
-    """One search: its direction, the greatest extent along it, the point reached, and the triangle up to the next."""
+    """One search: its direction, the point reached, and the triangle up to the next. The plane's vectors are x + y j."""
 
-    direction: Array
-    extent: float
-    point: Array
+    direction: complex
+    point: complex
     triangle: float = 0.0
 
 
@@ -187,7 +188,7 @@ class _Search:
     D: Array
     stop: Stop
     supports: list[_Support] = field(default_factory=list)
-    directions: list[Array] = field(default_factory=list)
+    directions: list[complex] = field(default_factory=list)
     points: list[Array] = field(default_factory=list)
     multipliers: list[Array] = field(default_factory=list)
     inner_areas: list[float] = field(default_factory=list)
@@ -198,65 +199,66 @@ class _Search:
         if not self._begin():
             return
         while True:
-            gap = sum(support.triangle for support in self.supports)
-            inner_area = area_of(np.array([support.point for support in self.supports]))
+            supports = self.supports
+            inner_area, gap = self._inner_area(), sum(support.triangle for support in supports)
             self._record(inner_area, inner_area + gap)
             reason = self.stop.reason(inner_area, gap, len(self.directions))
-            k = int(np.argmax([support.triangle for support in self.supports]))
-            if reason or self.supports[k].triangle <= NEGLIGIBLE * (inner_area + gap):
+            k = max(range(len(supports)), key=lambda k: supports[k].triangle)
+            if reason or supports[k].triangle <= NEGLIGIBLE * (inner_area + gap):
                 self.reason = reason or "exact"
                 return
-            edge = self.supports[(k + 1) % len(self.supports)].point - self.supports[k].point
-            if not self._look(k + 1, np.array([edge[1], -edge[0]])):
+            edge = supports[(k + 1) % len(supports)].point - supports[k].point
+            if not self._look(k + 1, edge * -1j):
                 return
 
     def _begin(self) -> bool:
         """Make the first four searches (section 7.1); False when the solver gives up."""
-        first = np.array([1.0, 0.0])
-        if not (self._look(0, first) and self._look(1, -first)):
+        for place, direction in enumerate((1 + 0j, -1 + 0j)):
+            if not self._look(place, direction):
+                return False
+            self._record(0.0, np.inf)
+        right, left = (support.point for support in self.supports)
+        across = (right - left) * 1j if abs(right - left) > NEGLIGIBLE * max(abs(right), abs(left)) else 1j
+        if not self._look(1, across):
             return False
-        self._record(0.0, np.inf)
-        self._record(0.0, np.inf)
-        along = self.supports[0].point - self.supports[1].point
-        if np.abs(along).max() <= NEGLIGIBLE * np.abs([support.point for support in self.supports]).max(initial=1):
-            along = first
-        across = np.array([-along[1], along[0]])
-        if not (self._look(1, across) and self._look(3, -across)):
-            return False
-        self._record(area_of(np.array([support.point for support in self.supports[:3]])), np.inf)
-        return True
+        self._record(self._inner_area(), np.inf)
+        return self._look(3, -across)
 
-    def _look(self, place: int, towards: Array) -> bool:
+    def _look(self, place: int, towards: complex) -> bool:
         """Search one direction and put its support in its place; False when the solver gives up."""
-        direction = towards / np.hypot(*towards)
-        found = self.solver.maximize(direction @ self.D)
-        if found is None:
+        direction = towards / abs(towards)
+        found = self.solver.maximize(direction.real * self.D[0] + direction.imag * self.D[1])
+        if found is None or not np.isfinite(found.point).all():
             return False
-        point = self.D @ found.point
-        self.supports.insert(place, _Support(direction, float(direction @ point), point))
+        self.supports.insert(place, _Support(direction, complex(*(self.D @ found.point))))
         self.directions.append(direction)
         self.points.append(found.point)
         self.multipliers.append(found.multipliers)
-        if len(self.supports) >= 4:
-            changed = range(len(self.supports)) if len(self.supports) == 4 else (place - 1, place)
-            for k in changed:
-                here, after = self.supports[k], self.supports[(k + 1) % len(self.supports)]
-                here.triangle = _triangle(here, after)
+        changed = range(4) if len(self.supports) == 4 else (place - 1, place)
+        for k in changed if len(self.supports) >= 4 else ():
+            self.supports[k].triangle = _triangle(self.supports[k], self.supports[(k + 1) % len(self.supports)])
         return True
+
+    def _inner_area(self) -> float:
+        first = self.supports[0].point
+        edges = [support.point - first for support in self.supports[1:]]
+        return max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
 
     def _record(self, inner_area: float, outer_area: float) -> None:
         self.inner_areas.append(inner_area)
         self.outer_areas.append(outer_area)
 
 
+def _cross(a: complex, b: complex) -> float:
+    return (a.conjugate() * b).imag
+
+
 def _triangle(here: _Support, after: _Support) -> float:
     """Return the area between the line from one point to the next and their two supporting lines [m2]."""
-    (a, b), (c, d) = here.direction, after.direction
-    turn = a * d - b * c
+    turn = _cross(here.direction, after.direction)
     if turn <= NEGLIGIBLE:
         return 0.0
-    # Relative to the first point, the first line has offset 0 and the second one the offset `beyond`.
     edge = after.point - here.point
-    beyond = after.extent - after.direction @ here.point
-    apex = np.array([-b, a]) * (beyond / turn)
-    return max(0.0, float(apex[0] * edge[1] - apex[1] * edge[0]) / 2)
+    # The supporting lines meet where the first one, from its point on, has come as far along the second direction.
+    apex = here.direction * 1j * (after.direction.conjugate() * edge).real / turn
+    return max(0.0, _cross(apex, edge) / 2)

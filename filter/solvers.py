@@ -89,13 +89,16 @@ class _Scaled:
 
     @classmethod
     def of(cls, program: LinearProgram) -> _Scaled:
-        free = np.flatnonzero(program.radius > NARROW * program.radius.max(initial=0))
-        G = program.A[:, free] * program.radius[free]
-        size = np.asarray(abs(G).sum(axis=1))
-        live = np.flatnonzero(program.slack < size)
-        size = size[live]
-        G = sparse.csc_matrix(sparse.diags_array(1 / size) @ G[live])
-        return cls(program, free, live, size, G, program.slack[live] / size)
+        A, radius = program.A, program.radius
+        row = np.repeat(np.arange(len(program.b)), np.diff(A.indptr))
+        value = A.data * radius[A.indices]
+        size = np.bincount(row, np.abs(value), minlength=len(program.b))
+        is_free, is_live = radius > NARROW * radius.max(initial=0), program.slack < size
+        free, live = np.flatnonzero(is_free), np.flatnonzero(is_live)
+        kept = is_free[A.indices] & is_live[row]
+        place = np.searchsorted(live, row[kept]), np.searchsorted(free, A.indices[kept])
+        G = sparse.csc_matrix((value[kept] / size[row[kept]], place), shape=(len(live), len(free)))
+        return cls(program, free, live, size[live], G, program.slack[live] / size[live])
 
     def objective(self, objective: Array) -> tuple[Array, float]:
         """Return c with its greatest entry at 1, and what it was divided by."""

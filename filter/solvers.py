@@ -92,7 +92,7 @@ class _Scaled:
         A, radius = program.A, program.radius
         row = np.repeat(np.arange(len(program.b)), np.diff(A.indptr))
         value = A.data * radius[A.indices]
-        size = np.bincount(row, np.abs(value), minlength=len(program.b))
+        size = np.bincount(row, np.abs(value), minlength=len(program.b)).astype(float)
         is_free, is_live = radius > NARROW * radius.max(initial=0), program.slack < size
         free, live = np.flatnonzero(is_free), np.flatnonzero(is_live)
         kept = is_free[A.indices] & is_live[row]

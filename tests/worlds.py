@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import numpy as np
+from hypothesis import settings
+from scipy import sparse
 
 from filter.angles import AngularIntervals, wrap
 from filter.arrays import Array
+from filter.belief import Belief
+from filter.constraints import WORLD
+from filter.lp import LinearProgram
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.team import Team
+
+# The same examples in every run, whatever the machine's speed: a failure can be repeated.
+settings.register_profile("corral", derandomize=True, deadline=None, database=None)
+settings.load_profile("corral")
 
 
 @dataclass
@@ -59,7 +69,8 @@ class World:
         chord = distance * np.sinc(turn / 2 / np.pi)
         slipped = self.rng.uniform(-np.pi, np.pi, n)
         self.positions = self.positions + (
-            chord[:, None] * np.stack([np.cos(way), np.sin(way)], 1) + slip[:, None] * np.stack([np.cos(slipped), np.sin(slipped)], 1)
+            chord[:, None] * np.stack([np.cos(way), np.sin(way)], 1)
+            + slip[:, None] * np.stack([np.cos(slipped), np.sin(slipped)], 1)
         )
         self.headings, self.time = wrap(self.headings + turn), start + duration
         return Odometry(
@@ -96,3 +107,89 @@ class World:
     def steps(self, count: int, **options: bool) -> Iterator[tuple[Odometry, list[Measurement]]]:
         for _ in range(count):
             yield self.move(**options), self.measure()
+
+
+def exact_slack(normal: Array, offset: float, point: Array) -> Fraction:
+    """Return offset - normal . point without any rounding, for floats taken as they are."""
+    products = (Fraction(float(a)) * Fraction(float(x)) for a, x in zip(normal, point, strict=True))
+    return Fraction(float(offset)) - sum(products, Fraction(0))
+
+
+def offset_through(normal: Array, point: Array) -> float:
+    """Return the least float offset with which a half-plane contains the point without any rounding."""
+    offset = float(-exact_slack(normal, 0.0, point))
+    return offset if exact_slack(normal, offset, point) >= 0 else float(np.nextafter(offset, np.inf))
+
+
+def exact_row_slack(row: int, belief: Belief, positions: Array) -> Fraction:
+    """Return the slack of one row of the belief at the positions (n, 2), without any rounding."""
+    rows = belief.constraints
+    normal, (i, j) = rows.normal[row], (rows.i[row], rows.j[row])
+    if i == WORLD:
+        return exact_slack(normal, rows.offset[row], positions[j])
+    return exact_slack([*normal, *-normal], rows.offset[row], [*positions[j], *positions[i]])
+
+
+def escapes(belief: Belief, positions: Array, headings: Array | None = None) -> list[str]:
+    """Return, in words, everything in the belief that the true positions (n, 2) and headings (n) break."""
+    rows = belief.constraints
+    found = []
+    for row in range(len(rows)):
+        if exact_row_slack(row, belief, positions) < 0:
+            found.append(f"row {row} on {rows.i[row]}, {rows.j[row]} by {belief.sources[int(rows.source[row])]}")
+    if (positions < belief.polytope.lower).any() or (positions > belief.polytope.upper).any():
+        found.append("box")
+    for robot, region in enumerate(belief.regions):
+        outer = region.outer
+        for edge in range(len(outer.offsets)):
+            if exact_slack(outer.normals[edge], outer.offsets[edge], positions[robot]) < 0:
+                found.append(f"edge {edge} of robot {robot}: {', '.join(map(str, belief.causes(robot, edge)))}")
+        if outside_hull(outer, positions[robot]):
+            found.append(f"hull of robot {robot}'s vertices")
+    if headings is not None and not belief.headings.contains(headings).all():
+        found.append("headings")
+    return found
+
+
+def outside_hull(polygon: Polygon, point: Array) -> bool:
+    """Return whether a point is farther than the margin from the hull of the vertices, for sure."""
+    corners = polygon.vertices - point
+    edges = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(*edges.T)
+    crossed = corners[:, 0] * np.roll(corners[:, 1], -1) - corners[:, 1] * np.roll(corners[:, 0], -1)
+    rounding = 1e-15 * (1 + np.abs(polygon.vertices).max()) * (np.abs(corners).sum(axis=1) + lengths)
+    long = lengths > 0
+    beside = (crossed < -rounding - polygon.margin * lengths)[long].any()
+    widest = np.maximum(polygon.vertices.min(axis=0) - point, point - polygon.vertices.max(axis=0)).max()
+    return bool(beside or widest > polygon.margin)
+
+
+def random_program(
+    rng: np.random.Generator, robots: int = 2, rows: int = 12, size: float = 1.0, origin: float = 0.0
+) -> LinearProgram:
+    """Return a program of rows on single robots and on pairs with the origin of its box, at least, inside."""
+    count = 2 * robots
+    A = np.zeros((rows, count))
+    for row in range(rows):
+        normal = unit(rng.uniform(-np.pi, np.pi))
+        j = rng.integers(robots)
+        A[row, 2 * j : 2 * j + 2] = normal
+        i = rng.integers(-1, robots)
+        if i not in (-1, j):
+            A[row, 2 * i : 2 * i + 2] = -normal
+    middle = np.full(count, origin)
+    b = A @ middle + size * rng.uniform(0.1, 1.0, rows)
+    return LinearProgram(sparse.csr_array(A), b, middle - size, middle + size)
+
+
+def unit(angle: float | Array) -> Array:
+    """Return the unit vector(s) of an angle, (..., 2)."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def feasible(program: LinearProgram, point: Array) -> bool:
+    """Return whether a point (v,) is in the program without any rounding."""
+    if (point < program.lower).any() or (point > program.upper).any():
+        return False
+    A = program.A.toarray()
+    return all(exact_slack(A[row], program.b[row], point) >= 0 for row in range(len(A)))

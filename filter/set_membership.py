@@ -11,7 +11,7 @@ from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, finite
 from filter.belief import Belief, Source, Sources
 from filter.constraints import Constraints
-from filter.errors import Inconsistent, InvalidInput, OutOfOrder
+from filter.errors import Inconsistent, InvalidInput
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.motion import Displacements, displacements, turned_headings
 from filter.polygon import SIDES, Polygon
@@ -104,14 +104,7 @@ class SetMembershipFilter:
             InvalidInput: The odometry ends at another time, or names an unknown robot.
             Inconsistent: A robot has left the arena for sure.
         """
-        if finite("time [s]", time) < belief.time:
-            raise OutOfOrder("a prediction", time, belief.time)
-        if odometry is not None:
-            self.team.check(odometry)
-            if odometry.start != belief.time:
-                raise OutOfOrder("odometry that starts", odometry.start, belief.time)
-            if odometry.time != time:
-                raise InvalidInput(f"odometry that ends at the predicted time {time!r} s", f"{odometry.time!r} s")
+        self.team.check_motion(belief.time, time, odometry)
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
@@ -131,10 +124,7 @@ class SetMembershipFilter:
             InvalidInput: A record names an unknown robot or landmark.
             Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
         """
-        for record in measurements:
-            self.team.check(record)
-            if record.time != belief.time:
-                raise OutOfOrder(type(record).__name__.lower(), record.time, belief.time)
+        self.team.check_measurements(belief.time, measurements)
         sources, numbered = _numbered(belief.sources, measurements)
         headings = self._headings(belief, measurements)
         polytope = self._merged(belief.polytope, headings, numbered)

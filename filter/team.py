@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from filter.arrays import Array, Integers, finite, read_only
-from filter.errors import InvalidInput
+from filter.errors import InvalidInput, OutOfOrder
 from filter.measurements import Compass, Measurement, Odometry
 
 
@@ -49,6 +50,34 @@ class Team:
         self._known("robot", record.robot, self.robots)
         if not isinstance(record, Compass | Odometry):
             self._known("target", record.target, self.robots + len(self.landmarks))
+
+    def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> None:
+        """Check a prediction from one time to another.
+
+        Raises:
+            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
+            InvalidInput: The odometry ends at another time, or names an unknown robot.
+        """
+        if finite("time [s]", time) < belief_time:
+            raise OutOfOrder("a prediction", time, belief_time)
+        if odometry is not None:
+            self.check(odometry)
+            if odometry.start != belief_time:
+                raise OutOfOrder("odometry that starts", odometry.start, belief_time)
+            if odometry.time != time:
+                raise InvalidInput(f"odometry that ends at the predicted time {time!r} s", f"{odometry.time!r} s")
+
+    def check_measurements(self, belief_time: float, measurements: Sequence[Measurement]) -> None:
+        """Check measurements that are to be merged at one time.
+
+        Raises:
+            OutOfOrder: A record is of another time.
+            InvalidInput: A record names an unknown robot or landmark.
+        """
+        for record in measurements:
+            self.check(record)
+            if record.time != belief_time:
+                raise OutOfOrder(type(record).__name__.lower(), record.time, belief_time)
 
     def _known(self, role: str, bodies: Integers, count: int) -> None:
         unknown = bodies[bodies >= count]

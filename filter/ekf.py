@@ -1,0 +1,248 @@
+"""The baseline: one joint extended Kalman filter over all robots' x, y and heading, with every cross-covariance.
+
+The collective form of S. I. Roumeliotis and G. A. Bekey, Distributed multirobot localization, IEEE Transactions on
+Robotics and Automation 18(5), 2002. It takes the same records as the set-membership filter and has the same shape: a
+belief goes in and a new belief comes out. It promises nothing: its regions hold with a probability, if its noise model is
+right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.stats import chi2
+
+from filter.angles import AngularIntervals, wrap
+from filter.arrays import Array, Integers, finite, read_only
+from filter.errors import InvalidInput
+from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.polygon import Polygon
+from filter.team import Team
+
+STATES = 3  # x, y, heading
+UNIFORM = 1 / np.sqrt(3)  # standard deviation of a uniform error, relative to its bound
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Standard deviations of the errors, each relative to the declared bound: the one place where the filter is tuned.
+
+    Attributes:
+        compass: Of headings.
+        bearing: Of bearings.
+        range: Of ranges.
+        distance: Of a driven distance.
+        turn: Of a turn.
+        direction: Of the motion's direction.
+        slip: Of slip, on each axis.
+
+    Raises:
+        InvalidInput: A number is not finite or not above 0.
+    """
+
+    compass: float = UNIFORM
+    bearing: float = UNIFORM
+    range: float = UNIFORM
+    distance: float = UNIFORM
+    turn: float = UNIFORM
+    direction: float = UNIFORM
+    slip: float = UNIFORM
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            finite(f"{name} deviation over bound", value, np.finfo(float).tiny)
+
+    @classmethod
+    def same(cls, share: float) -> NoiseModel:
+        """Return a model with one deviation over bound for all errors; 1/3 takes a bound for three deviations."""
+        return cls(share, share, share, share, share, share, share)
+
+
+@dataclass(frozen=True, eq=False)
+class GaussianBelief:
+    """What the Kalman filter believes at one time.
+
+    Attributes:
+        time: When [s].
+        mean: (n, 3) x [m], y [m], heading in (-pi, pi] [rad].
+        covariance: (3n, 3n) of (x_0, y_0, heading_0, x_1, ...).
+        rejected: Number of measurements that the gate has turned away so far.
+    """
+
+    time: float
+    mean: Array
+    covariance: Array
+    rejected: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mean", read_only(self.mean))
+        object.__setattr__(self, "covariance", read_only(self.covariance))
+
+    @property
+    def position_covariances(self) -> Array:
+        """(n, 2, 2) of each robot's position [m2]."""
+        n = len(self.mean)
+        blocks = self.covariance.reshape(n, STATES, n, STATES)
+        return np.asarray(blocks[np.arange(n), :2, np.arange(n), :2])
+
+    @property
+    def heading_deviations(self) -> Array:
+        """(n,) standard deviation of each heading [rad]."""
+        return np.asarray(np.sqrt(np.diagonal(self.covariance)[2::STATES]))
+
+    def relative(self, i: int, j: int) -> tuple[Array, Array]:
+        """Return mean (2,) [m] and covariance (2, 2) [m2] of x_i - x_j."""
+        D = np.zeros((2, self.mean.size))
+        D[:, STATES * i : STATES * i + 2], D[:, STATES * j : STATES * j + 2] = np.eye(2), -np.eye(2)
+        return D @ self.mean.ravel(), D @ self.covariance @ D.T
+
+
+@dataclass(frozen=True, eq=False)
+class ExtendedKalmanFilter:
+    """The joint extended Kalman filter of a team.
+
+    Attributes:
+        team: The robots, the landmarks and their limits.
+        noise: How the declared bounds become standard deviations.
+        gate: Measurements whose normalised innovation squared lies above this quantile of its chi-square distribution
+            are rejected, in (0, 1); None to take all.
+
+    Raises:
+        InvalidInput: The gate is out of its range.
+    """
+
+    team: Team
+    noise: NoiseModel = field(default_factory=NoiseModel)
+    gate: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.gate is not None:
+            finite("gate quantile", self.gate, np.finfo(float).tiny, np.nextafter(1.0, 0))
+
+    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> GaussianBelief:
+        """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets.
+
+        Raises:
+            InvalidInput: The numbers of sets and robots differ.
+        """
+        n = self.team.robots
+        arcs = AngularIntervals.circles(n) if headings is None else headings
+        if len(positions) != n or len(arcs) != n:
+            raise InvalidInput(f"an initial polygon and arc for each of {n} robots", f"{len(positions)} and {len(arcs)}")
+        corners = np.array([polygon.bounds for polygon in positions])
+        half = (corners[:, 1] - corners[:, 0]) / 2
+        deviations = UNIFORM * np.column_stack([half, arcs.bound])
+        mean = np.column_stack([corners.mean(axis=1), arcs.centre])
+        return GaussianBelief(float(finite("time [s]", time)), mean, np.diag(deviations.ravel() ** 2))
+
+    def predict(self, belief: GaussianBelief, time: float, odometry: Odometry | None = None) -> GaussianBelief:
+        """Return the belief at a later time; a robot without odometry is taken to stand, within its limits of motion.
+
+        Raises:
+            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
+            InvalidInput: The odometry ends at another time, or names an unknown robot.
+        """
+        self.team.check_motion(belief.time, time, odometry)
+        n, duration = self.team.robots, time - belief.time
+        moved, F, Q = belief.mean.copy(), np.eye(belief.mean.size), np.zeros((belief.mean.size, belief.mean.size))
+        reach, swing = UNIFORM * self.team.speed_limit * duration, UNIFORM * self.team.turn_rate_limit * duration
+        idle = np.setdiff1d(np.arange(n), [] if odometry is None else odometry.robot)
+        for robot in idle:
+            block = slice(STATES * robot, STATES * robot + STATES)
+            Q[block, block] = np.diag([reach**2, reach**2, swing**2])
+        if odometry is not None:
+            for k, robot in enumerate(odometry.robot):
+                block = slice(STATES * robot, STATES * robot + STATES)
+                moved[robot], F[block, block], Q[block, block] = self._driven(belief.mean[robot], odometry, k)
+        moved[:, 2] = wrap(moved[:, 2])
+        covariance = F @ belief.covariance @ F.T + Q
+        return GaussianBelief(time, moved, (covariance + covariance.T) / 2, belief.rejected)
+
+    def update(self, belief: GaussianBelief, measurements: Sequence[Measurement] = ()) -> GaussianBelief:
+        """Return the belief after merging measurements taken at its time, record after record in the order given.
+
+        Raises:
+            OutOfOrder: A record is of another time than the belief.
+            InvalidInput: A record names an unknown robot or landmark.
+        """
+        self.team.check_measurements(belief.time, measurements)
+        for record in measurements:
+            belief = self._merged(belief, record)
+        return belief
+
+    def _driven(self, state: Array, odometry: Odometry, k: int) -> tuple[Array, Array, Array]:
+        """Return a robot's state after the k-th motion, its Jacobian and the covariance of what the motion adds, (3, 3)."""
+        distance, turn = odometry.distance[k], odometry.turn[k]
+        way = state[2] + turn / 2
+        along, across = np.array([np.cos(way), np.sin(way)]), np.array([-np.sin(way), np.cos(way)])
+        F = np.eye(STATES)
+        F[:2, 2] = distance * across
+        # Columns: errors of distance, of turn (half of which bends the way), of direction, and slip on both axes.
+        G = np.zeros((STATES, 5))
+        G[:2, 0], G[:2, 1], G[:2, 2], G[:2, 3:] = along, distance / 2 * across, distance * across, np.eye(2)
+        G[2, 1] = 1
+        noise = self.noise
+        deviations = np.array(
+            [
+                noise.distance * odometry.distance_bound[k],
+                noise.turn * odometry.turn_bound[k],
+                noise.direction * odometry.direction_bound[k],
+                noise.slip * odometry.slip_bound[k],
+                noise.slip * odometry.slip_bound[k],
+            ]
+        )
+        spread = G * deviations
+        return state + np.append(distance * along, turn), F, spread @ spread.T
+
+    def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
+        innovation, H, variance = self._linearised(belief, record)
+        if self.gate is not None:
+            kept = self._passes(belief, innovation, H, variance)
+            innovation, H, variance = innovation[kept], H[kept], variance[kept]
+        rejected = belief.rejected + len(record.robot) - len(innovation)
+        P = belief.covariance
+        S = H @ P @ H.T + np.diag(variance)
+        K = np.linalg.solve(S, H @ P).T
+        mean = belief.mean + (K @ innovation).reshape(-1, STATES)
+        mean[:, 2] = wrap(mean[:, 2])
+        keep = np.eye(len(P)) - K @ H
+        covariance = keep @ P @ keep.T + (K * variance) @ K.T  # Joseph's form: stays positive
+        return GaussianBelief(belief.time, mean, (covariance + covariance.T) / 2, rejected)
+
+    def _passes(self, belief: GaussianBelief, innovation: Array, H: Array, variance: Array) -> Array:
+        spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
+        return np.asarray(innovation**2 <= chi2.ppf(self.gate, 1) * spread)
+
+    def _linearised(self, belief: GaussianBelief, record: Measurement) -> tuple[Array, Array, Array]:
+        """Return innovations (k,), Jacobian (k, 3n) and variances (k,) of a record at the mean."""
+        count, robot = len(record.robot), record.robot
+        H, rows = np.zeros((count, belief.mean.size)), np.arange(count)
+        if isinstance(record, Compass):
+            H[rows, STATES * robot + 2] = 1
+            innovation = wrap(record.heading - belief.mean[robot, 2])
+            return innovation, H, (self.noise.compass * record.bound) ** 2
+        bodies = np.concatenate([belief.mean[:, :2], self.team.landmarks])
+        away = bodies[record.target] - bodies[robot]
+        distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), np.finfo(float).tiny)
+        towards = away / distance[:, None]
+        if isinstance(record, Bearing):
+            slope = np.column_stack([-towards[:, 1], towards[:, 0]]) / distance[:, None]
+            H[rows, STATES * robot + 2] = -1
+            innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - belief.mean[robot, 2]))
+            variance = (self.noise.bearing * record.bound) ** 2
+        else:
+            slope, innovation, variance = towards, record.range - distance, self._range_variance(record)
+        self._spread(H, rows, robot, -slope)
+        moving = np.flatnonzero(record.target < self.team.robots)
+        self._spread(H, moving, record.target[moving], slope[moving])
+        return innovation, H, variance
+
+    def _range_variance(self, record: Range) -> Array:
+        return np.asarray((self.noise.range * (record.bound + record.relative_bound * record.range)) ** 2)
+
+    @staticmethod
+    def _spread(H: Array, rows: Integers, robot: Integers, slope: Array) -> None:
+        for axis in range(2):
+            H[rows, STATES * robot + axis] += slope[:, axis]

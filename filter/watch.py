@@ -1,0 +1,129 @@
+"""A guaranteed region proves other estimators wrong: an integrity monitor for whatever filter runs beside this one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from filter.arrays import Array, Floats, finite, read_only
+from filter.belief import Belief, Source
+from filter.errors import InvalidInput
+from filter.polygon import EPSILON, Polygon
+
+# Edges whose normals are within this of the separating line's direction carry it alone [rad].
+PARALLEL = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Alarm:
+    """Proof that an estimate of one robot is wrong, as long as every declared bound holds.
+
+    Attributes:
+        time: When [s].
+        robot: Whose estimate it is.
+        everything: True when the whole ellipse of the estimate is impossible, False when only its centre is.
+        normal: (2,) of length 1, across a line that separates what is possible from the estimate.
+        offset: What is possible satisfies normal . x <= offset [m].
+        distance: How far the estimate, or the nearest point of its ellipse, is beyond the line [m].
+        edges: Which edges of the robot's outer polygon the line rests on, one or two.
+        sources: What these edges were proved from.
+    """
+
+    time: float
+    robot: int
+    everything: bool
+    normal: Array
+    offset: float
+    distance: float
+    edges: tuple[int, ...]
+    sources: tuple[Source, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "normal", read_only(self.normal))
+
+    def __str__(self) -> str:
+        what = "the whole ellipse" if self.everything else "the estimate"
+        because = "; ".join(map(str, self.sources)) or "the arena"
+        return f"{what} of robot {self.robot} at {self.time:.3f} s is impossible by {self.distance:.3f} m, proved by {because}"
+
+
+def watch(
+    belief: Belief, positions: Floats, covariances: Floats | None = None, probability: float = 0.997
+) -> tuple[Alarm, ...]:
+    """Return an alarm for each robot whose estimate is proved to be wrong.
+
+    Args:
+        belief: What is possible.
+        positions: (n, 2) another estimator's positions [m]; NaN for a robot of which it says nothing.
+        covariances: (n, 2, 2) of these positions [m2], or None for points alone.
+        probability: What the ellipses are said to contain, in [0, 1).
+
+    Raises:
+        InvalidInput: A shape does not fit the belief, a covariance is not positive definite, or the probability is out
+            of its range.
+    """
+    robots = len(belief.regions)
+    points = np.asarray(positions, dtype=float)
+    if points.shape != (robots, 2):
+        raise InvalidInput(f"positions of {robots} robots, (n, 2)", f"shape {points.shape}")
+    size = float(np.sqrt(chi2.ppf(finite("probability", probability, 0, np.nextafter(1.0, 0)), 2)))
+    roots = [None] * robots if covariances is None else list(size * _roots(covariances, robots))
+    alarms = (_alarm(belief, k, points[k], roots[k]) for k in range(robots) if np.isfinite(points[k]).all())
+    return tuple(alarm for alarm in alarms if alarm is not None)
+
+
+def _roots(covariances: Floats, robots: int) -> Array:
+    try:
+        matrices = finite("covariances [m2]", covariances)
+        if matrices.shape != (robots, 2, 2):
+            raise InvalidInput(f"covariances of {robots} robots, (n, 2, 2)", f"shape {matrices.shape}")
+        return np.asarray(np.linalg.cholesky(matrices))
+    except np.linalg.LinAlgError:
+        raise InvalidInput("positive definite covariances [m2]", matrices.tolist()) from None
+
+
+def _alarm(belief: Belief, robot: int, point: Array, root: Array | None) -> Alarm | None:
+    """Return the gravest alarm: on the ellipse, point + root u over |u| <= 1, else on the point, else None."""
+    outer = belief.regions[robot].outer
+    for ellipse in (root, None) if root is not None else (None,):
+        normal = _separating_normal(outer, point, np.eye(2) if ellipse is None else ellipse)
+        if normal is None:
+            continue
+        offset = float(outer.support(normal[None])[0])
+        reach = 0.0 if ellipse is None else float(np.hypot(*(normal @ ellipse)))
+        doubt = 16 * EPSILON * (float(np.abs(point).sum()) + reach)
+        distance = float(normal @ point) - reach - offset - doubt
+        if distance > 0:
+            edges = _edges_behind(outer, normal)
+            sources = dict.fromkeys(source for edge in edges for source in belief.causes(robot, edge))
+            return Alarm(belief.time, robot, ellipse is not None, normal, offset, distance, edges, tuple(sources))
+    return None
+
+
+def _separating_normal(polygon: Polygon, point: Array, root: Array) -> Array | None:
+    """Return the normal of the line that keeps the polygon farthest from a point, in units of an ellipse; None if inside.
+
+    It is a candidate: whether the line separates is judged afterwards.
+    """
+    whitening = np.linalg.inv(root)
+    corners = (polygon.vertices - point) @ whitening.T
+    edges = np.roll(corners, -1, axis=0) - corners
+    lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
+    along = np.clip(-(corners * edges).sum(axis=1) / lengths, 0, 1)
+    nearest = corners + along[:, None] * edges
+    closest = nearest[np.argmin((nearest**2).sum(axis=1))]
+    normal = -closest @ whitening
+    length = float(np.hypot(*normal))
+    return normal / length if length > 0 and not polygon.contains(point) else None
+
+
+def _edges_behind(polygon: Polygon, normal: Array) -> tuple[int, ...]:
+    """Return the edge with that normal, or the two whose normals are next to it on either side."""
+    angles = np.arctan2(polygon.normals[:, 1], polygon.normals[:, 0]) - np.arctan2(normal[1], normal[0])
+    turns = np.mod(angles + np.pi, 2 * np.pi) - np.pi
+    if np.abs(turns).min() <= PARALLEL:
+        return (int(np.argmin(np.abs(turns))),)
+    after, before = np.where(turns > 0, turns, np.inf), np.where(turns < 0, -turns, np.inf)
+    return (int(np.argmin(before)), int(np.argmin(after)))

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, Mask, read_only
+from filter.arrays import Array, Floats, Integers, Mask, finite, read_only
+from filter.errors import InvalidInput
 
 # One operation on angles of a few turns is off by a few units in the last place of 2 pi; this covers it many times.
 ROUNDING = 1e-14
@@ -34,7 +35,14 @@ class AngularIntervals:
     bound: Array
 
     def __post_init__(self) -> None:
-        centre, bound = np.broadcast_arrays(np.atleast_1d(wrap(self.centre)), np.asarray(self.bound, dtype=float))
+        centre, bound = (
+            np.atleast_1d(finite("centre of an arc [rad]", self.centre)),
+            finite("bound of an arc [rad]", self.bound),
+        )
+        try:
+            centre, bound = np.broadcast_arrays(wrap(centre), bound)
+        except ValueError:
+            raise InvalidInput("a centre and a bound for each arc", f"{centre.shape} and {bound.shape}") from None
         object.__setattr__(self, "centre", read_only(centre))
         object.__setattr__(self, "bound", read_only(np.minimum(bound, np.pi)))
 

@@ -16,10 +16,14 @@ Floats = ArrayLike
 
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the array, or a copy of a view, that nobody can write to."""
+    """Return the array itself, made read-only, or a read-only copy of a view."""
     owned = values if values.flags.owndata else values.copy()
     owned.flags.writeable = False
     return owned
+
+
+# Beyond this a product of two lengths can overflow; nothing a robot measures is near it.
+LARGEST = 1e100
 
 
 def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf) -> Array:
@@ -32,23 +36,40 @@ def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf
     expected = f"{name}: finite numbers{limits}"
     try:
         array = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidInput(expected, repr(values)) from None
-    wrong = ~np.isfinite(array) | (array < low) | (array > high)
+    wrong = ~(np.abs(array) <= LARGEST) | (array < low) | (array > high)
     if wrong.any():
         raise InvalidInput(expected, array[wrong].flat[0].item())
     return array
 
 
-def whole(name: str, values: Floats) -> Integers:
-    """Return the values as whole numbers from 0 on.
+def number(name: str, value: Any, low: float = -np.inf, high: float = np.inf) -> float:
+    """Return one finite number within [low, high].
 
     Raises:
-        InvalidInput: A value is negative or not a whole number.
+        InvalidInput: It is none.
     """
-    array = np.asarray(values)
+    array = finite(name, value, low, high)
+    if array.ndim:
+        raise InvalidInput(f"{name}: one number", repr(value))
+    return float(array)
+
+
+def whole(name: str, values: Any, low: int = 0) -> Integers:
+    """Return the values as whole numbers from `low` on.
+
+    Raises:
+        InvalidInput: A value is smaller, too large for an index, or not a whole number.
+    """
+    expected = f"{name}: whole numbers from {low} on"
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        raise InvalidInput(expected, repr(values)) from None
     if array.dtype.kind not in "iu" and array.size:
-        raise InvalidInput(f"{name}: whole numbers from 0 on", repr(values))
-    if (array < 0).any():
-        raise InvalidInput(f"{name}: whole numbers from 0 on", f"{array.min()}")
+        raise InvalidInput(expected, repr(values))
+    wrong = (array < low) | (array > np.iinfo(np.int64).max)
+    if wrong.any():
+        raise InvalidInput(expected, array[wrong].flat[0].item())
     return np.array(array, dtype=np.int64)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -16,9 +17,6 @@ from filter.arrays import Array, Integers, Mask, read_only
 from filter.polygon import EPSILON
 
 WORLD = -1
-# Every fresh row is moved outward by this share of the lengths in it: far above rounding, far below any sensor. So errors
-# that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
-OUTWARD = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +74,24 @@ class Constraints:
     def shifted(self, by: Array) -> Constraints:
         """Return the rows with offsets changed by (r,) amounts [m], the sum's rounding on the outer side."""
         offset = self.offset + by
-        outward = offset + 4 * EPSILON * (np.abs(self.offset) + np.abs(by))
+        outward = offset + np.where(by == 0, 0.0, 4 * EPSILON * (np.abs(self.offset) + np.abs(by)))
         return Constraints(self.i, self.j, self.normal, outward, self.source)
+
+    def rows_of(self, i: int, j: int) -> Integers:
+        """Return the rows on one pair, or with i = WORLD on one robot."""
+        order, keys = self._groups
+        key = (i + 1) * self._stride + j
+        return order[np.searchsorted(keys, key) : np.searchsorted(keys, key, side="right")]
+
+    @cached_property
+    def _stride(self) -> int:
+        return int(self.j.max(initial=0)) + 1
+
+    @cached_property
+    def _groups(self) -> tuple[Integers, Integers]:
+        keys = (self.i + 1) * self._stride + self.j
+        order = np.argsort(keys, kind="stable")
+        return order, keys[order]
 
     def matrix(self, bodies: int) -> sparse.csr_array:
         """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""
@@ -93,11 +107,11 @@ def _coordinates(bodies: Integers) -> Integers:
     return np.asarray((2 * bodies[:, None] + np.arange(2)).ravel())
 
 
-def outward_allowance(rows: Constraints, lower: Array, upper: Array) -> Array:
-    """Return (r,) how far to move rows just built outward, within a box [m].
+def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
+    """Return (r,) how much the rounding of normals and offsets can cut off within a box [m].
 
-    Angles carry their own allowance, so what rounding leaves is a few units in the last place of the normal times the
-    greatest difference of the two positions, and of the offset. `OUTWARD` is far more.
+    Angles carry their own allowance. What is left is the rounding of a sine, a cosine or a product: a few units in the
+    last place of the normal times the greatest difference of the two positions, and of the offset.
 
     Args:
         rows: Rows just built, all of them on pairs.
@@ -105,4 +119,4 @@ def outward_allowance(rows: Constraints, lower: Array, upper: Array) -> Array:
         upper: (bodies, 2) greatest coordinates [m].
     """
     difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
-    return OUTWARD * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))
+    return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from filter.angles import AngularIntervals, wrap
-from filter.arrays import Array, Integers, finite, read_only
+from filter.arrays import Array, Integers, finite, number, read_only
 from filter.errors import InvalidInput
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
@@ -135,7 +135,7 @@ class ExtendedKalmanFilter:
         half = (corners[:, 1] - corners[:, 0]) / 2
         deviations = UNIFORM * np.column_stack([half, arcs.bound])
         mean = np.column_stack([corners.mean(axis=1), arcs.centre])
-        return GaussianBelief(float(finite("time [s]", time)), mean, np.diag(deviations.ravel() ** 2))
+        return GaussianBelief(number("time [s]", time), mean, np.diag(deviations.ravel() ** 2))
 
     def predict(self, belief: GaussianBelief, time: float, odometry: Odometry | None = None) -> GaussianBelief:
         """Return the belief at a later time; a robot without odometry is taken to stand, within its limits of motion.
@@ -167,8 +167,7 @@ class ExtendedKalmanFilter:
             OutOfOrder: A record is of another time than the belief.
             InvalidInput: A record names an unknown robot or landmark.
         """
-        self.team.check_measurements(belief.time, measurements)
-        for record in measurements:
+        for record in self.team.checked(belief.time, measurements):
             belief = self._merged(belief, record)
         return belief
 

@@ -81,7 +81,8 @@ class LinearProgram:
         residual = objectives - (transposed @ y.T).T
         size = np.abs(objectives) + (magnitudes @ y.T).T
         bound = objectives @ self.centre + np.abs(residual) @ self.radius + y @ self.slack
-        few = FEW * (np.abs(objectives) @ np.abs(self.centre)) + 2 * (y @ self._slack_rounding)
+        entries = 8 + np.count_nonzero(objectives, axis=1)
+        few = 2 * EPSILON * entries * (np.abs(objectives) @ np.abs(self.centre)) + 2 * (y @ self._slack_rounding)
         many = 2 * (len(self.b) + len(self.centre)) * EPSILON * (size @ self.radius + y @ np.abs(self.slack))
         return np.asarray(np.nextafter(bound + few + many, np.inf))
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite, read_only, whole
+from filter.arrays import Array, Integers, finite, number, read_only, whole
 from filter.errors import InvalidInput
 
 
@@ -56,7 +56,7 @@ class Compass:
     bound: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", float(finite("time [s]", self.time)))
+        object.__setattr__(self, "time", number("time [s]", self.time))
         _columns(
             self,
             robot=whole("robot", self.robot),
@@ -87,7 +87,7 @@ class Bearing:
     bound: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", float(finite("time [s]", self.time)))
+        object.__setattr__(self, "time", number("time [s]", self.time))
         _columns(
             self,
             robot=whole("robot", self.robot),
@@ -122,7 +122,7 @@ class Range:
     relative_bound: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", float(finite("time [s]", self.time)))
+        object.__setattr__(self, "time", number("time [s]", self.time))
         _columns(
             self,
             robot=whole("robot", self.robot),
@@ -175,8 +175,8 @@ class Odometry:
     slip_bound: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", float(finite("start [s]", self.start)))
-        object.__setattr__(self, "time", float(finite("time [s]", self.time)))
+        object.__setattr__(self, "start", number("start [s]", self.start))
+        object.__setattr__(self, "time", number("time [s]", self.time))
         if self.time < self.start:
             raise InvalidInput(f"odometry that ends at its start or later, from {self.start!r} s on", f"{self.time!r} s")
         _columns(

@@ -17,32 +17,35 @@ from filter.measurements import Odometry
 from filter.polygon import EPSILON
 from filter.team import Team
 
-# Around a sector wider than this the trapezoid is larger than the whole disc.
-WIDEST = np.pi / 3
+# A sector wider than this, almost a half-plane, says nothing that the longest way does not say [rad].
+WIDEST = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class Displacements:
-    """For each of n robots a set of displacements: the hull of some vertices, widened by a disc.
+    """For each of n robots a set of displacements: what is in the hull of some vertices and in a disc, and then a slip.
 
     Attributes:
         vertices: (n, 8, 2) [m].
+        reach: (n,) no displacement is longer, slip aside [m].
         slip: (n,) radius of the disc [m].
     """
 
     vertices: Array
+    reach: Array
     slip: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", read_only(self.vertices))
-        object.__setattr__(self, "slip", read_only(self.slip))
+        for name in ("vertices", "reach", "slip"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def support(self, robot: Integers, direction: Array) -> Array:
         """Return (r,) upper bounds of direction . u over the robots' displacements u, for directions (r, 2) [m]."""
-        corners = np.einsum("rvm,rm->rv", self.vertices[robot], direction)
-        rounding = 16 * EPSILON * np.abs(self.vertices[robot]).sum(axis=2).max(axis=1)
+        corners = np.einsum("rvm,rm->rv", self.vertices[robot], direction).max(axis=1)
         length = np.hypot(direction[:, 0], direction[:, 1])
-        return np.asarray(corners.max(axis=1) + (self.slip[robot] * (1 + 4 * EPSILON) + rounding) * length)
+        rounding = 16 * EPSILON * (np.abs(self.vertices[robot]).sum(axis=2).max(axis=1) + self.slip[robot])
+        farthest = np.minimum(corners, self.reach[robot] * length)
+        return np.asarray(farthest + (self.slip[robot] + rounding) * length)
 
     def moved(self, constraints: Constraints) -> Constraints:
         """Return the rows after every robot has moved by any of its displacements.
@@ -63,12 +66,13 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     Algorithm:
         Path length s in [least, greatest], direction within d of phi = heading + turn / 2. The robot's heading deviates
         from phi's true value by half the turn and the direction bound at most, so the chord is at least
-        least cos(that) long. Range [least cos(that), greatest] over the sector phi +- d is a trapezoid.
+        least cos(that) long. Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement
+        is longer than the path, which tells where the sector is wide.
     """
     vertices = np.zeros((team.robots, 8, 2))
-    slip = np.full(team.robots, team.speed_limit * duration)
+    reach, slip = np.zeros(team.robots), np.full(team.robots, team.speed_limit * duration)
     if odometry is None:
-        return Displacements(vertices, slip)
+        return Displacements(vertices, reach, slip)
     direction = headings[odometry.robot].turned(odometry.turn / 2, odometry.turn_bound / 2 + odometry.direction_bound)
     bend = np.minimum(np.pi / 2, (np.abs(odometry.turn) + odometry.turn_bound) / 2 + odometry.direction_bound)
     least, greatest = odometry.distance - odometry.distance_bound, odometry.distance + odometry.distance_bound
@@ -76,11 +80,13 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     behind = _trapezoid(np.maximum(-greatest, 0) * np.cos(bend), np.maximum(-least, 0), direction.turned(np.pi))
     ahead = np.where((greatest < 0)[:, None, None], behind, ahead)
     behind = np.where((least > 0)[:, None, None], ahead, behind)
-    wide = direction.bound > WIDEST
     farthest = np.maximum(np.abs(least), np.abs(greatest))
-    vertices[odometry.robot] = np.where(wide[:, None, None], 0.0, np.concatenate([ahead, behind], axis=1))
-    slip[odometry.robot] = odometry.slip_bound + np.where(wide, farthest, 0.0)
-    return Displacements(vertices, slip)
+    full_circle = np.abs(odometry.turn) + odometry.turn_bound >= 2 * np.pi  # the way back can be the shortest
+    anywhere = ((direction.bound > WIDEST) | full_circle)[:, None, None]
+    square = farthest[:, None, None] * np.tile([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]], (2, 1))
+    vertices[odometry.robot] = np.where(anywhere, square, np.concatenate([ahead, behind], axis=1))
+    reach[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound
+    return Displacements(vertices, reach, slip)
 
 
 def _trapezoid(nearest: Array, farthest: Array, direction: AngularIntervals) -> Array:

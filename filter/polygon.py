@@ -57,7 +57,19 @@ class Polygon:
 
     @classmethod
     def from_vertices(cls, points: Floats) -> Polygon:
-        """Return the convex hull of (k, 2) points [m]; its half-planes err outward by rounding.
+        """Return a polygon around the convex hull of (k, 2) points [m]; it errs outward by rounding.
+
+        Raises:
+            InvalidInput: There is no point (an empty set), or a coordinate is not finite.
+        """
+        hull = cls.hull(points)
+        allowance = 8 * EPSILON * np.abs(hull.vertices).sum(axis=1).max()
+        lower, upper = hull.bounds
+        return cls.from_half_planes(hull.normals, hull.offsets + allowance, lower - allowance, upper + allowance)
+
+    @classmethod
+    def hull(cls, points: Floats) -> Polygon:
+        """Return the convex hull of (k, 2) points [m]; its vertices are among them, its half-planes right to rounding.
 
         Raises:
             InvalidInput: There is no point (an empty set), or a coordinate is not finite.
@@ -72,8 +84,7 @@ class Polygon:
             edges = np.array([along, [-along[1], along[0]], -along, [along[1], -along[0]]])
             vertices = vertices[[0, 1, 1, 0]] if len(vertices) == 2 else vertices[[0, 0, 0, 0]]
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
-        offsets = (vertices @ normals.T).max(axis=0)
-        return cls(normals, offsets + 8 * EPSILON * np.abs(vertices).sum(axis=1).max(), vertices)
+        return cls(normals, (array @ normals.T).max(axis=0), vertices)
 
     @classmethod
     def from_half_planes(cls, normals: Floats, offsets: Floats, lower: Floats, upper: Floats) -> Polygon:
@@ -82,7 +93,8 @@ class Polygon:
         Raises:
             InvalidInput: Nothing is left, or the box is not one.
         """
-        kept = clip(np.asarray(normals, dtype=float), np.asarray(offsets, dtype=float), np.asarray(lower), np.asarray(upper))
+        box = cls.box(lower, upper)
+        kept = clip(finite("normals", normals).reshape(-1, 2), finite("offsets [m]", offsets).reshape(-1), *box.bounds)
         if kept is None:
             raise InvalidInput("half-planes with a point of the box in common", "an empty set")
         return kept[0]
@@ -129,16 +141,23 @@ class Polygon:
 
         The bound is pi when the origin is inside, or so near that no direction is excluded for sure.
         """
-        middle = self.vertices.mean(axis=0)
-        centre = float(np.arctan2(middle[1], middle[0]))
-        forward = self.vertices @ (np.cos(centre), np.sin(centre))
-        doubt = self.margin + 8 * EPSILON * float(np.abs(self.vertices).max())
-        nearest = float(forward.min()) - doubt  # every point of the polygon is at least this far along the centre
-        if nearest <= 2 * doubt:
-            return centre, np.pi
-        sideways = np.arctan2(self.vertices @ (-np.sin(centre), np.cos(centre)), forward)
-        low, high = float(sideways.min()), float(sideways.max())
-        return centre + (low + high) / 2, (high - low) / 2 + 2 * doubt / nearest + 4 * ROUNDING
+        doubt = 2 * self.margin + 8 * EPSILON * float(np.abs(self.vertices).max())
+        nearest = self._distance_of_edges() - doubt
+        angles = np.sort(np.arctan2(self.vertices[:, 1], self.vertices[:, 0]))
+        gaps = np.append(angles[1:], angles[0] + 2 * np.pi) - angles
+        widest = int(np.argmax(gaps))  # what is not seen is one gap; from the inside none is as wide as half a turn
+        half = np.pi - gaps[widest] / 2
+        if nearest <= 2 * doubt or half >= np.pi / 2:
+            return 0.0, np.pi
+        return float(angles[widest] + gaps[widest] + half), float(half + 2 * doubt / nearest + 4 * ROUNDING)
+
+    def _distance_of_edges(self) -> float:
+        """Return the distance of the origin from the nearest edge [m]."""
+        edges = np.roll(self.vertices, -1, axis=0) - self.vertices
+        lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
+        along = np.clip(-(self.vertices * edges).sum(axis=1) / lengths, 0, 1)
+        nearest = self.vertices + along[:, None] * edges
+        return float(np.hypot(nearest[:, 0], nearest[:, 1]).min())
 
     def intersection(self, other: Polygon) -> Polygon | None:
         """Return what two polygons have in common, or None when that is proved to be nothing."""

@@ -40,20 +40,32 @@ class Polytope:
             self.constraints.matrix(len(self.lower)), self.constraints.offset, self.lower.ravel(), self.upper.ravel()
         )
 
-    def of_robot(self, robot: int) -> tuple[Polygon, Integers]:
-        """Return a polygon around one robot, from its own rows alone, and the row behind each edge (negative: the box)."""
-        rows = np.flatnonzero((self.constraints.i == WORLD) & (self.constraints.j == robot))
-        return self._clipped(rows, self.lower[robot], self.upper[robot])
+    def of_robot(self, robot: int) -> tuple[Polygon, Integers] | None:
+        """Return a polygon around one robot, from its own rows alone, and the row behind each edge (negative: the box).
 
-    def of_pair(self, i: int, j: int) -> tuple[Polygon, Integers]:
-        """Return a polygon around x_j - x_i for i < j, from the pair's rows alone, and the row behind each edge."""
-        rows = np.flatnonzero((self.constraints.i == i) & (self.constraints.j == j))
+        None when the rows are proved to exclude one another.
+        """
+        return self._clipped(self.constraints.rows_of(WORLD, robot), *self.box_of_robot(robot))
+
+    def of_pair(self, i: int, j: int) -> tuple[Polygon, Integers] | None:
+        """Return a polygon around x_j - x_i for i < j, from the pair's rows alone, and the row behind each edge.
+
+        None when the rows are proved to exclude one another.
+        """
+        return self._clipped(self.constraints.rows_of(i, j), *self.box_of_pair(i, j))
+
+    def box_of_robot(self, robot: int) -> tuple[Array, Array]:
+        """Return lower and upper corner (2,) of the box around one robot [m]."""
+        return self.lower[robot], self.upper[robot]
+
+    def box_of_pair(self, i: int, j: int) -> tuple[Array, Array]:
+        """Return lower and upper corner (2,) of a box around x_j - x_i [m]."""
         lower, upper = self.lower[j] - self.upper[i], self.upper[j] - self.lower[i]
-        return self._clipped(rows, np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf))
+        return np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf)
 
-    def _clipped(self, rows: Integers, lower: Array, upper: Array) -> tuple[Polygon, Integers]:
+    def _clipped(self, rows: Integers, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:
         kept = clip(self.constraints.normal[rows], self.constraints.offset[rows], lower, upper)
-        if kept is None:  # proved to be empty: not to be judged here, and the box contains the empty set, too
-            return Polygon.box(lower, upper), np.arange(-4, 0)
+        if kept is None:
+            return None
         polygon, edges = kept
         return polygon, np.append(rows, np.arange(-4, 0))[edges]  # a negative edge is itself, counted from the end

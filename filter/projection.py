@@ -13,8 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite, read_only
-from filter.errors import InvalidInput
+from filter.arrays import Array, Integers, number, read_only, whole
 from filter.lp import LinearProgram
 from filter.polygon import EPSILON, Polygon, clip
 from filter.solvers import Workspace
@@ -26,6 +25,8 @@ Reason = Literal["performance ratio", "area gap", "searches", "exact", "solver"]
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
 NEGLIGIBLE = 1e-12
+# Across a set thinner than this share, the line between the first two points is rounding.
+THIN = 1e-6
 
 
 @dataclass(frozen=True)
@@ -46,10 +47,9 @@ class Stop:
     searches: int = 16
 
     def __post_init__(self) -> None:
-        finite("performance ratio", self.performance_ratio, 0, 1)
-        finite("area gap [m2]", self.area_gap, 0)
-        if self.searches < 4:
-            raise InvalidInput("at least 4 searches", self.searches)
+        number("performance ratio", self.performance_ratio, 0, 1)
+        number("area gap [m2]", self.area_gap, 0)
+        whole("searches", self.searches, low=4)
 
     def reason(self, inner_area: float, gap: float, searches: int) -> Reason | None:
         """Return why to end here, or None to go on."""
@@ -73,7 +73,7 @@ class Projection:
         multipliers: (s, r) the proof of each outer edge, a weight for each row of the program.
         inner_areas: (s,) area inside after each search, as the solver has it [m2].
         outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2].
-        reason: Why the search ended.
+        reason: Why the search ended; it went by the areas as the solver has them.
     """
 
     outer: Polygon
@@ -159,16 +159,24 @@ def _outer(
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
     reach = reach + 4 * EPSILON * (np.abs(middle) + reach)
     normals = np.concatenate([directions, known[0]])
-    offsets = np.concatenate([program.certified_bounds(directions @ D, multipliers), known[1]])
+    certified = program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
+    offsets = np.concatenate([certified, known[1]])
     kept = clip(normals, offsets, middle - reach, middle + reach)
     # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
     return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
 
 
+def _rounding_of_objectives(program: LinearProgram, D: Array, directions: Array) -> Array:
+    """Return (s,) what the rounding of direction . D can be worth [m]; nothing for positions and their differences."""
+    exact = (np.count_nonzero(D, axis=0) <= 1) & (np.abs(D).max(axis=0) == np.ceil(np.abs(D).max(axis=0).clip(0, 1)))
+    rough = np.where(exact, 0.0, np.abs(D))
+    return 4 * EPSILON * (np.abs(directions) @ rough @ (np.abs(program.centre) + program.radius))
+
+
 def _inner(program: LinearProgram, D: Array, points: Array, interior: Array) -> Polygon | None:
     pulled = program.pulled(points, interior)
     feasible = pulled[program.holds(pulled)]
-    return Polygon.from_vertices(feasible @ D.T) if len(feasible) else None
+    return Polygon.hull(feasible @ D.T) if len(feasible) else None
 
 
 @dataclass
@@ -218,7 +226,8 @@ class _Search:
                 return False
             self._record(0.0, np.inf)
         right, left = (support.point for support in self.supports)
-        across = (right - left) * 1j if abs(right - left) > NEGLIGIBLE * max(abs(right), abs(left)) else 1j
+        along = right - left
+        across = along * 1j if along.real > THIN * abs(along) else 1j
         if not self._look(1, across):
             return False
         self._record(self._inner_area(), np.inf)

@@ -23,8 +23,9 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     keep = (sizes <= budgets)[member]
     for group in np.flatnonzero(sizes > budgets):
         i, j = groups[:, group].tolist()
-        polygon, edges = polytope.of_robot(j) if i == WORLD else polytope.of_pair(i, j)
-        keep[worthy_edges(polygon, edges, int(budgets[group]))] = True
+        known = polytope.of_robot(j) if i == WORLD else polytope.of_pair(i, j)
+        # Rows that exclude one another all stay, for the next update to name their causes.
+        keep[worthy_edges(*known, int(budgets[group])) if known else polytope.constraints.rows_of(i, j)] = True
     return rows.select(keep)
 
 

@@ -11,6 +11,7 @@ from filter.arrays import Array, Integers
 from filter.belief import Region, Sources
 from filter.constraints import WORLD, Constraints
 from filter.errors import Inconsistent
+from filter.polygon import Polygon
 from filter.polytope import Polytope
 from filter.projection import Projection, Stop, position, project
 from filter.solvers import deepest_point, workspace
@@ -24,7 +25,7 @@ def regions_at_a_glance(polytope: Polytope) -> tuple[Region, ...]:
     source = polytope.constraints.source
     regions = []
     for robot in range(len(polytope.lower)):
-        outer, edges = polytope.of_robot(robot)
+        outer, edges = polytope.of_robot(robot) or (Polygon.box(*polytope.box_of_robot(robot)), np.arange(-4, 0))
         causes = tuple(source[edge : edge + 1] if edge >= 0 else source[:0] for edge in edges)
         regions.append(Region(outer, None, 0, None, causes))
     return tuple(regions)
@@ -53,7 +54,7 @@ def searched(
     directions = workspace(program, solver)
     regions, own = [], []
     for robot in range(robots):
-        known = polytope.constraints.select((polytope.constraints.i == WORLD) & (polytope.constraints.j == robot))
+        known = polytope.constraints.select(polytope.constraints.rows_of(WORLD, robot))
         D = position(robot, robots)
         found = project(program, directions, D, interior, stop=stop, known=(known.normal, known.offset))
         region, rows = _region(polytope, robot, known, found, int(numbers[robot]))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from filter.angles import AngularIntervals
-from filter.arrays import Array, Integers, finite
+from filter.arrays import Array, Integers, number, whole
 from filter.belief import Belief, Source, Sources
 from filter.constraints import Constraints
 from filter.errors import Inconsistent, InvalidInput
@@ -55,9 +55,8 @@ class SetMembershipFilter:
 
     def __post_init__(self) -> None:
         check_solver(self.solver)
-        for name in ("rows_per_robot", "rows_per_pair"):
-            if getattr(self, name) < 4:
-                raise InvalidInput(f"{name} of at least 4", getattr(self, name))
+        whole("rows_per_robot", self.rows_per_robot, low=4)
+        whole("rows_per_pair", self.rows_per_pair, low=4)
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement.
@@ -81,7 +80,7 @@ class SetMembershipFilter:
         if (lower > upper).any():
             outside = int(np.flatnonzero((lower > upper).any(axis=1))[0])
             raise InvalidInput("initial polygons that reach into the arena", f"robot {outside} wholly outside")
-        sources, numbers = Sources().extended("initial set", float(finite("time [s]", time)), np.arange(robots))
+        sources, numbers = Sources().extended("initial set", number("time [s]", time), np.arange(robots))
         rows = [
             Constraints.on_robot(k, polygon.normals, polygon.offsets, np.full(len(polygon.offsets), numbers[k]))
             for k, polygon in enumerate(positions)
@@ -117,14 +116,14 @@ class SetMembershipFilter:
 
         Args:
             belief: Stays as it is.
-            measurements: Records in any order; their order does not matter.
+            measurements: Records, in any order: it makes no difference but to arcs wider than half a circle.
 
         Raises:
             OutOfOrder: A record is of another time than the belief.
             InvalidInput: A record names an unknown robot or landmark.
             Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
         """
-        self.team.check_measurements(belief.time, measurements)
+        measurements = self.team.checked(belief.time, measurements)
         sources, numbered = _numbered(belief.sources, measurements)
         headings = self._headings(belief, measurements)
         polytope = self._merged(belief.polytope, headings, numbered)
@@ -135,8 +134,8 @@ class SetMembershipFilter:
     def _moved_box(self, belief: Belief, time: float, moves: Displacements) -> tuple[Array, Array]:
         robots = np.arange(self.team.robots)
         right, top, left, bottom = (moves.support(robots, np.broadcast_to(side, (len(robots), 2))) for side in SIDES)
-        lower = np.nextafter(belief.polytope.lower - np.stack([left, bottom], axis=1), -np.inf)
-        upper = np.nextafter(belief.polytope.upper + np.stack([right, top], axis=1), np.inf)
+        lower = _moved(belief.polytope.lower, -np.stack([left, bottom], axis=1), -np.inf)
+        upper = _moved(belief.polytope.upper, np.stack([right, top], axis=1), np.inf)
         lower, upper = np.maximum(lower, self.team.arena[0]), np.minimum(upper, self.team.arena[1])
         outside = np.flatnonzero((lower > upper).any(axis=1))
         if len(outside):
@@ -172,6 +171,11 @@ class SetMembershipFilter:
     def _with_rows(self, polytope: Polytope, rows: Constraints) -> Polytope:
         more = on_robots(rows, polytope, self.team.landmarks)
         return polytope.with_constraints(Constraints.concatenate([polytope.constraints, more]))
+
+
+def _moved(corner: Array, by: Array, outward: float) -> Array:
+    """Return corners moved by so much, rounded outward (an infinity); those that do not move stay as they are."""
+    return np.asarray(np.where(by == 0, corner, np.nextafter(corner + by, outward)))
 
 
 def _numbered(sources: Sources, measurements: Sequence[Measurement]) -> tuple[Sources, list[tuple[Measurement, Integers]]]:

@@ -16,9 +16,10 @@ from scipy import sparse
 from filter.arrays import Array, Integers
 from filter.errors import InvalidInput
 from filter.lp import LinearProgram
+from filter.polygon import EPSILON
 
-# A coordinate narrower than this share of the widest one has no interior that a solver could find: it is held at its middle.
-NARROW = 1e-9
+# A coordinate narrower than this share of itself is anchored, to rounding: it is held at its middle.
+NARROW = 64 * EPSILON
 # PIQP needs 8 to 15 iterations; where it needs many more the polytope is all but flat, and more of them gain nothing.
 MAX_ITERATIONS = 60
 
@@ -59,16 +60,20 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
 
     With a negative t the multipliers are a candidate for the proof that the polytope is empty.
     """
+    live = np.flatnonzero(program.slack < abs(program.A) @ program.radius)  # the box implies the others
     depth = float(np.abs(program.slack).max(initial=0) + 4 * program.radius.max(initial=0))
-    ones = np.ones((len(program.b), 1))
     deepened = LinearProgram(
-        sparse.csr_array(sparse.hstack([program.A, ones])),
-        program.b,
+        sparse.csr_array(sparse.hstack([program.A[live], np.ones((len(live), 1))])),
+        program.b[live],
         np.append(program.lower, -depth),
         np.append(program.upper, depth),
     )
     found = workspace(deepened, solver).maximize(np.append(np.zeros(len(program.lower)), 1.0))
-    return Candidate(found.point[:-1], found.multipliers) if found else None
+    if found is None:
+        return None
+    multipliers = np.zeros(len(program.b))
+    multipliers[live] = found.multipliers
+    return Candidate(found.point[:-1], multipliers)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +98,7 @@ class _Scaled:
         row = np.repeat(np.arange(len(program.b)), np.diff(A.indptr))
         value = A.data * radius[A.indices]
         size = np.bincount(row, np.abs(value), minlength=len(program.b)).astype(float)
-        is_free, is_live = radius > NARROW * radius.max(initial=0), program.slack < size
+        is_free, is_live = radius > NARROW * np.abs(program.centre), (program.slack < size) & (size > 0)
         free, live = np.flatnonzero(is_free), np.flatnonzero(is_live)
         kept = is_free[A.indices] & is_live[row]
         place = np.searchsorted(live, row[kept]), np.searchsorted(free, A.indices[kept])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite, read_only
+from filter.arrays import Array, Integers, finite, number, read_only
 from filter.errors import InvalidInput, OutOfOrder
 from filter.measurements import Compass, Measurement, Odometry
 
@@ -34,14 +34,20 @@ class Team:
     arena: Array = field(default_factory=lambda: np.array([[-np.inf] * 2, [np.inf] * 2]))
 
     def __post_init__(self) -> None:
-        if not isinstance(self.robots, int | np.integer) or self.robots < 1:
+        if not isinstance(self.robots, int | np.integer) or isinstance(self.robots, bool) or self.robots < 1:
             raise InvalidInput("a team of at least one robot", f"{self.robots!r} robots")
-        landmarks = finite("landmark coordinates [m]", self.landmarks).reshape(-1, 2)
-        arena = np.array(self.arena, dtype=float)
+        landmarks = finite("landmark coordinates [m]", self.landmarks)
+        landmarks = landmarks if landmarks.size else np.zeros((0, 2))
+        if landmarks.ndim != 2 or landmarks.shape[1] != 2:
+            raise InvalidInput("landmarks as (l, 2) coordinates", f"shape {landmarks.shape}")
+        try:
+            arena = np.array(self.arena, dtype=float)
+        except (TypeError, ValueError):
+            raise InvalidInput("arena: (2, 2) lower and upper corner [m]", repr(self.arena)) from None
         if arena.shape != (2, 2) or not (arena[0] <= arena[1]).all():
             raise InvalidInput("arena: (2, 2) lower corner below upper corner [m]", arena.tolist())
-        finite("speed limit [m/s]", self.speed_limit, 0)
-        finite("turn rate limit [rad/s]", self.turn_rate_limit, 0)
+        number("speed limit [m/s]", self.speed_limit, 0)
+        number("turn rate limit [rad/s]", self.turn_rate_limit, 0)
         object.__setattr__(self, "landmarks", read_only(landmarks))
         object.__setattr__(self, "arena", read_only(arena))
 
@@ -58,26 +64,34 @@ class Team:
             OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
             InvalidInput: The odometry ends at another time, or names an unknown robot.
         """
-        if finite("time [s]", time) < belief_time:
+        if number("time [s]", time) < belief_time:
             raise OutOfOrder("a prediction", time, belief_time)
         if odometry is not None:
+            if not isinstance(odometry, Odometry):
+                raise InvalidInput("an odometry record, or None", type(odometry).__name__)
             self.check(odometry)
             if odometry.start != belief_time:
                 raise OutOfOrder("odometry that starts", odometry.start, belief_time)
             if odometry.time != time:
                 raise InvalidInput(f"odometry that ends at the predicted time {time!r} s", f"{odometry.time!r} s")
 
-    def check_measurements(self, belief_time: float, measurements: Sequence[Measurement]) -> None:
-        """Check measurements that are to be merged at one time.
+    def checked(self, belief_time: float, measurements: Iterable[Measurement]) -> tuple[Measurement, ...]:
+        """Return measurements that are to be merged at one time, if they can be.
 
         Raises:
             OutOfOrder: A record is of another time.
             InvalidInput: A record names an unknown robot or landmark.
         """
-        for record in measurements:
+        if not isinstance(measurements, Iterable):
+            raise InvalidInput("a sequence of records", type(measurements).__name__)
+        records = tuple(measurements)
+        for record in records:
+            if not isinstance(record, Measurement):
+                raise InvalidInput("records of compass, bearing or range", type(record).__name__)
             self.check(record)
             if record.time != belief_time:
                 raise OutOfOrder(type(record).__name__.lower(), record.time, belief_time)
+        return records
 
     def _known(self, role: str, bodies: Integers, count: int) -> None:
         unknown = bodies[bodies >= count]

@@ -19,7 +19,9 @@ ROUNDING = 1e-14
 
 def wrap(angle: Floats) -> Array:
     """Return the angle(s) wrapped to (-pi, pi] [rad], any shape."""
-    return -(np.mod(np.pi - np.asarray(angle, dtype=float), 2 * np.pi) - np.pi)
+    array = np.asarray(angle, dtype=float)
+    inside = (-np.pi < array) & (array <= np.pi)  # as it is, to the last bit
+    return np.where(inside, array, -(np.mod(np.pi - array, 2 * np.pi) - np.pi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +42,13 @@ class AngularIntervals:
             finite("bound of an arc [rad]", self.bound),
         )
         try:
-            centre, bound = np.broadcast_arrays(wrap(centre), bound)
+            centre, bound = np.broadcast_arrays(centre, bound)
         except ValueError:
             raise InvalidInput("a centre and a bound for each arc", f"{centre.shape} and {bound.shape}") from None
-        object.__setattr__(self, "centre", read_only(centre))
-        object.__setattr__(self, "bound", read_only(np.minimum(bound, np.pi)))
+        turns = np.abs(centre) > np.pi
+        outward = np.where(turns & (bound >= 0), bound + ROUNDING * np.abs(centre), bound)
+        object.__setattr__(self, "centre", read_only(wrap(centre)))
+        object.__setattr__(self, "bound", read_only(np.minimum(outward, np.pi)))
 
     @classmethod
     def circles(cls, count: int) -> AngularIntervals:

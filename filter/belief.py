@@ -97,6 +97,9 @@ class Region:
     reason: Reason | None
     causes: tuple[Integers, ...]
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "causes", tuple(map(read_only, self.causes)))
+
     @property
     def performance_ratio(self) -> float:
         """Area inside over area outside (eq. 7), in [0, 1]; 0 without an inner polygon."""

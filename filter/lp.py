@@ -104,11 +104,12 @@ class LinearProgram:
         """
         inside = np.clip(points, self.lower, self.upper)
         slack, doubt = self._slack_at(inside)
-        room = np.maximum(self._slack_at(interior[None])[0], 0)
+        room = self._slack_at(interior[None])[0]
         lacking = 4 * doubt - slack
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.where(lacking > 0, lacking / (lacking + room), 0).max(axis=1, initial=0)[:, None]
-        return np.asarray(np.clip(inside + share * (interior - inside), self.lower, self.upper))
+            share = np.where(lacking > 0, lacking / (room - slack), 0).max(axis=1, initial=0)[:, None]
+        moved = inside + np.clip(share, 0, 1) * (interior - inside)
+        return np.asarray(np.clip(moved, self.lower, self.upper))
 
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
         """Return b - A x and the rounding in it, both (k, r)."""

@@ -63,8 +63,10 @@ class Polygon:
             InvalidInput: There is no point (an empty set), or a coordinate is not finite.
         """
         hull = cls.hull(points)
-        allowance = 8 * EPSILON * np.abs(hull.vertices).sum(axis=1).max()
         lower, upper = hull.bounds
+        if (lower == upper).all():
+            return cls.box(lower, upper)
+        allowance = 8 * EPSILON * np.abs(hull.vertices).sum(axis=1).max()
         return cls.from_half_planes(hull.normals, hull.offsets + allowance, lower - allowance, upper + allowance)
 
     @classmethod
@@ -218,7 +220,7 @@ def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Po
     origin = (lower + upper) / 2
     reach = upper - origin
     largest = float(np.abs(origin).max() + reach.max())
-    doubts = (8 * EPSILON * (np.abs(offsets) + largest)).tolist()
+    doubts = (8 * EPSILON * (np.abs(offsets) + np.abs(normals).sum(axis=1) * largest)).tolist()
     levels = (offsets - normals @ origin).tolist()
     width, height = reach.tolist()
     corners = [(width, -height, -4), (width, height, -3), (-width, height, -2), (-width, -height, -1)]

@@ -157,7 +157,8 @@ def _outer(
     program: LinearProgram, D: Array, directions: Array, multipliers: Array, known: HalfPlanes
 ) -> tuple[Polygon, Integers]:
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
-    reach = reach + 4 * EPSILON * (np.abs(middle) + reach)
+    terms = 4 + np.count_nonzero(D, axis=1)
+    reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
     normals = np.concatenate([directions, known[0]])
     certified = program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
     offsets = np.concatenate([certified, known[1]])

@@ -145,32 +145,37 @@ class SetMembershipFilter:
 
     def _headings(self, belief: Belief, measurements: Sequence[Measurement]) -> AngularIntervals:
         """Narrow the headings by compasses, then by bearings to targets whose direction is roughly known."""
-        headings = belief.headings
+        arcs: list[AngularIntervals] = []
+        sources: list[Source] = []
         for record in measurements:
             if isinstance(record, Compass):
-                headings = _narrowed(headings, record, heading_arcs_of_compass(record))
-        for record in measurements:
-            if isinstance(record, Bearing):
+                arcs.append(heading_arcs_of_compass(record))
+                sources += [Source("compass", record.time, robot) for robot in record.robot.tolist()]
+            elif isinstance(record, Bearing):
                 spans = spans_of_targets(belief.polytope, self.team.landmarks, record.robot, record.target)
-                headings = _narrowed(headings, record, heading_arcs_of_bearing(record, spans))
-        return headings
+                arcs.append(heading_arcs_of_bearing(record, spans))
+                pairs = zip(record.robot.tolist(), record.target.tolist(), strict=True)
+                sources += [Source("bearing", record.time, robot, target) for robot, target in pairs]
+        return _narrowed(belief.headings, arcs, sources)
 
     def _merged(self, polytope: Polytope, headings: AngularIntervals, numbered: list[tuple[Measurement, Integers]]) -> Polytope:
         """Add the rows of all bearings, then those of all ranges, whose directions the bearings have narrowed."""
+        rows = []
         for record, source in numbered:
             if isinstance(record, Bearing):
                 arcs = world_arcs(record, headings[record.robot])
-                rows = bearing_rows(record.robot, record.target, arcs, source)
-                polytope = self._with_rows(polytope, rows)
+                rows.append(bearing_rows(record.robot, record.target, arcs, source))
+        polytope = self._with_rows(polytope, rows)
+        rows = []
         for record, source in numbered:
             if isinstance(record, Range):
                 arcs = spans_of_targets(polytope, self.team.landmarks, record.robot, record.target)
-                polytope = self._with_rows(polytope, range_rows(record, arcs, source))
-        return polytope
+                rows.append(range_rows(record, arcs, source))
+        return self._with_rows(polytope, rows)
 
-    def _with_rows(self, polytope: Polytope, rows: Constraints) -> Polytope:
-        more = on_robots(rows, polytope, self.team.landmarks)
-        return polytope.with_constraints(Constraints.concatenate([polytope.constraints, more]))
+    def _with_rows(self, polytope: Polytope, rows: list[Constraints]) -> Polytope:
+        more = [on_robots(each, polytope, self.team.landmarks) for each in rows]
+        return polytope.with_constraints(Constraints.concatenate([polytope.constraints, *more]))
 
 
 def _moved(corner: Array, by: Array, outward: float) -> Array:
@@ -189,16 +194,20 @@ def _numbered(sources: Sources, measurements: Sequence[Measurement]) -> tuple[So
     return sources, numbered
 
 
-def _narrowed(headings: AngularIntervals, record: Compass | Bearing, arcs: AngularIntervals) -> AngularIntervals:
-    """Intersect the measuring robots' headings with (k) arcs, one measurement of each robot at a time."""
-    for turn in _turns(record.robot):
-        robots = record.robot[turn]
-        narrowed = headings[robots].intersection(arcs[turn])
+def _narrowed(headings: AngularIntervals, arcs: list[AngularIntervals], sources: list[Source]) -> AngularIntervals:
+    """Intersect headings with arcs, the narrowest first, so that the order they come in makes no difference."""
+    centre = np.concatenate([each.centre for each in arcs] or [np.zeros(0)])
+    bound = np.concatenate([each.bound for each in arcs] or [np.zeros(0)])
+    order = np.lexsort((centre, bound))
+    every = AngularIntervals(centre[order], bound[order])
+    whose = np.array([sources[k].robot for k in order], dtype=np.int64)
+    for turn in _turns(whose):
+        robots = whose[turn]
+        narrowed = headings[robots].intersection(every[turn])
         if narrowed.empty.any():
             first = int(np.flatnonzero(narrowed.empty)[0])
-            robot, target = int(robots[first]), int(record.target[turn][first]) if isinstance(record, Bearing) else None
-            measured = Source(type(record).__name__.lower(), record.time, robot, target)
-            raise Inconsistent(f"at {record.time} s", [Source("heading", record.time, robot), measured])
+            measured = sources[order[turn[first]]]
+            raise Inconsistent(f"at {measured.time} s", [Source("heading", measured.time, measured.robot), measured])
         headings = headings.replaced(robots, narrowed)
     return headings
 

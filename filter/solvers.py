@@ -20,6 +20,8 @@ from filter.polygon import EPSILON
 
 # A coordinate narrower than this share of itself is anchored, to rounding: it is held at its middle.
 NARROW = 64 * EPSILON
+# A row that the box implies with this much to spare, relative to the box, cannot hold a point back.
+CLEARLY = 1e-3
 # PIQP needs 8 to 15 iterations; where it needs many more the polytope is all but flat, and more of them gain nothing.
 MAX_ITERATIONS = 60
 
@@ -60,7 +62,7 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
 
     With a negative t the multipliers are a candidate for the proof that the polytope is empty.
     """
-    live = np.flatnonzero(program.slack < abs(program.A) @ program.radius)  # the box implies the others
+    live = np.flatnonzero(program.slack < (1 + CLEARLY) * (abs(program.A) @ program.radius))
     depth = float(np.abs(program.slack).max(initial=0) + 4 * program.radius.max(initial=0))
     deepened = LinearProgram(
         sparse.csr_array(sparse.hstack([program.A[live], np.ones((len(live), 1))])),

@@ -1,0 +1,134 @@
+"""What a recording shows of one instant, as points and lines; how it looks is in `experiments.recording`.
+
+Layers come first in the paths (/world/outer/r3), so that a viewer can switch a layer on and off.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from filter.arrays import Array
+from filter.belief import Belief, Region
+from filter.measurements import Bearing, Range
+from filter.polygon import Polygon
+from filter.team import Team
+from sim.frame import Frame, Truth
+
+TRAIL = 8.0  # how long a robot's way stays to be seen [s]
+ARROW = 0.28  # length of the arrow that shows a heading [m]
+LABEL = 0.1  # how far below a polygon its robot's name stands [m]
+# Heights of the layers, so that each covers those below it [m].
+HEIGHT = {"fill": 0.004, "trail": 0.008, "rays": 0.012, "outer": 0.020, "inner": 0.024, "truth": 0.030, "estimate": 0.036}
+
+
+@dataclass(frozen=True, eq=False)
+class Strips:
+    """Lines through the points of each of several (k, 3) arrays [m]."""
+
+    lines: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points at (k, 3) positions [m]."""
+
+    positions: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """Arrows from (k, 3) origins along (k, 3) vectors [m]."""
+
+    origins: Array
+    vectors: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Fan:
+    """The inside of a convex polygon with (k, 3) vertices [m]."""
+
+    vertices: Array
+
+
+@dataclass(frozen=True)
+class Number:
+    """A value of a plot."""
+
+    value: float
+
+
+Item = Strips | Points | Arrows | Fan | Number
+
+
+def at_height(points: Array, layer: str) -> Array:
+    """Return (k, 2) points as (k, 3) ones at the height of a layer [m]."""
+    return np.column_stack([points, np.full(len(points), HEIGHT[layer])])
+
+
+def closed(polygon: Polygon, layer: str) -> Array:
+    """Return the (k + 1, 3) outline of a polygon at the height of a layer, its first point repeated [m]."""
+    return at_height(np.concatenate([polygon.vertices, polygon.vertices[:1]]), layer)
+
+
+def below(polygon: Polygon) -> Array:
+    """Return (2,) where a name stands without covering the polygon [m]."""
+    return np.array([polygon.centroid[0], polygon.vertices[:, 1].min() - LABEL])
+
+
+@dataclass
+class Drawing:
+    """Draws a run, an instant at a time; remembers the robots' trails.
+
+    Attributes:
+        team: Whose run it is.
+    """
+
+    team: Team
+    _trails: dict[int, deque[tuple[float, Array]]] = field(default_factory=dict)
+
+    def items(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+        """Yield each entity's path and what it shows at this instant."""
+        for robot, region in enumerate(belief.regions):
+            yield from self._region(self.team.name(robot), region)
+        if frame.truth is not None:
+            for robot in range(self.team.robots):
+                yield from self._truth(self.team.name(robot), frame.truth, robot)
+        for robot, region in enumerate(belief.regions):
+            place = region.outer.centroid if frame.truth is None else frame.truth.positions[robot]
+            yield self._trail(robot, frame.time, place)
+        yield from self._rays(frame, belief)
+
+    def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
+        yield f"/world/fill/{name}", Fan(at_height(region.outer.vertices, "fill"))
+        yield f"/world/outer/{name}", Strips((closed(region.outer, "outer"),))
+        yield f"/world/inner/{name}", Strips((closed(region.inner, "inner"),) if region.inner else ())
+        yield f"/world/estimate/{name}", Points(at_height(region.outer.centroid[None], "estimate"))
+        yield f"/world/label/{name}", Points(at_height(below(region.outer)[None], "estimate"))
+        yield f"/area/{name}", Number(region.outer.area)
+        yield f"/performance_ratio/{name}", Number(region.performance_ratio)
+
+    def _truth(self, name: str, truth: Truth, robot: int) -> Iterator[tuple[str, Item]]:
+        place = at_height(truth.positions[robot : robot + 1], "truth")
+        heading = truth.headings[robot]
+        yield f"/world/truth/{name}", Points(place)
+        yield f"/world/heading/{name}", Arrows(place, ARROW * np.array([[np.cos(heading), np.sin(heading), 0.0]]))
+
+    def _trail(self, robot: int, time: float, place: Array) -> tuple[str, Item]:
+        trail = self._trails.setdefault(robot, deque())
+        trail.append((time, place))
+        while time - trail[0][0] > TRAIL:
+            trail.popleft()
+        line = at_height(np.array([point for _, point in trail]), "trail")
+        return f"/world/trail/{self.team.name(robot)}", Strips((line,) if len(line) > 1 else ())
+
+    def _rays(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+        places = np.concatenate([[region.outer.centroid for region in belief.regions], self.team.landmarks])
+        for kind in (Bearing, Range):
+            records = [record for record in frame.measurements if isinstance(record, kind)]
+            pairs = [pair for record in records for pair in zip(record.robot, record.target, strict=True)]
+            lines = tuple(at_height(places[list(pair)], "rays") for pair in pairs)
+            yield f"/world/rays/{kind.__name__.lower()}", Strips(lines)

@@ -1,0 +1,198 @@
+"""Does the filter keep a moving team? Follows one in the simulator, or in a log, and checks every robot at every step.
+
+Run `python -m experiments.moving_team --help`. The exit code is the guarantee: 0 only if no position and no heading was ever
+outside what the filter claimed; 1 for an escape or for measurements proved to disagree; 2 for bad input.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import tyro
+
+from experiments.log import LogWriter
+from experiments.metrics import Escapes, Metrics, Value
+from experiments.output import Trajectories, output_folder, write_summary
+from experiments.recording import Recording
+from experiments.run import Contacts, Step, steps
+from experiments.scenarios import Scenario, from_log, from_simulator
+from experiments.terminal import StepProgress, print_table, tell
+from experiments.viewer import open_viewer
+from filter.errors import CorralError, Inconsistent, InvalidInput
+from filter.set_membership import SetMembershipFilter
+from sim.episode import MeasurementChoice, episode
+from sim.errors import ErrorKind
+
+LOG = "log.jsonl"
+PICTURE_EVERY = 1.0  # [s]
+ROUNDING = 1e-9  # of times [s]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Follow a moving team in the simulator (or in a log) and check every robot at every step.
+
+    Exit code 0 only if no position and no heading was ever outside what the filter claimed; 1 for an escape or for
+    measurements proved to disagree; 2 for bad input.
+    """
+
+    robots: int = 6
+    """Number of robots."""
+    duration: float = 60.0
+    """How long the run is [s]."""
+    rate: float = 10.0
+    """Steps a second [Hz]."""
+    seed: int = 0
+    """Where all randomness comes from: the same seed, the same run."""
+    errors: ErrorKind = "uniform"
+    """Kind of the sensors' errors, always within their bounds."""
+    solver: str = "piqp"
+    """What solves the linear programs: piqp, or any solver that qpsolvers finds here."""
+    measurements: MeasurementChoice = "all"
+    """all; absolute: none from robot to robot; none: odometry and compass alone."""
+    out: Path = Path("runs/moving_team")
+    """Folder for summary, log, trajectories and recording."""
+    view: bool = False
+    """Show the run in a live viewer while it goes on."""
+    camera: bool = False
+    """Record a picture of the simulated world every second (needs OpenGL)."""
+    replay: Path | None = None
+    """Take everything from this log instead of the simulator."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the experiment with command-line arguments; return the exit code."""
+    options = tyro.cli(
+        Options, prog="python -m experiments.moving_team", args=arguments, config=(tyro.conf.FlagCreatePairsOff,)
+    )
+    try:
+        return run(options)
+    except CorralError as error:
+        tell(f"error: {error}")
+        return 2
+    except KeyboardInterrupt:
+        tell("stopped; the log, the recording and the trajectories end here, there is no summary")
+        return 130
+
+
+def run(options: Options) -> int:
+    """Run the experiment; return the exit code.
+
+    Raises:
+        CorralError: An option, the log, or the output folder cannot be used.
+    """
+    scenario = scenario_of(options)
+    team_filter = SetMembershipFilter(scenario.team, options.solver)
+    folder = output_folder(options.out)
+    following = Following(options, scenario, folder)
+    conflict = following.run(team_filter)
+    summary = summary_of(options, scenario, following.metrics) | {"inconsistent": conflict}
+    write_summary(folder, summary)
+    print_table(f"moving_team, in {folder}", summary)
+    if conflict:
+        tell(f"the filter stopped: {conflict}")
+    return int(following.metrics.escaped or conflict is not None)
+
+
+def scenario_of(options: Options) -> Scenario:
+    """Return the scenario that the options ask for.
+
+    Raises:
+        CorralError: An option cannot be used, or not together with another.
+    """
+    if options.replay is None:
+        simulated = episode(
+            robots=options.robots,
+            duration=options.duration,
+            rate=options.rate,
+            seed=options.seed,
+            errors=options.errors,
+            measurements=options.measurements,
+        )
+        return from_simulator(simulated, options.rate)
+    for field in fields(Options):
+        simulates = field.name in ("robots", "duration", "rate", "seed", "errors", "measurements", "camera")
+        if simulates and getattr(options, field.name) != field.default:
+            raise InvalidInput("a log to decide everything but --solver, --out and --view", f"--{field.name} with --replay")
+    if options.replay.resolve() == (options.out / LOG).resolve():
+        raise InvalidInput("another --out than the folder of the replayed log", str(options.out))
+    return from_log(options.replay)
+
+
+class Following:
+    """A filter follows a scenario; everything that shall be kept of it is written as it goes on."""
+
+    def __init__(self, options: Options, scenario: Scenario, folder: Path) -> None:
+        self.metrics = Metrics()
+        viewer = open_viewer() if options.view else None
+        self._scenario, team = scenario, scenario.team
+        self._contacts = Contacts(team)
+        self._picture = scenario.picture if options.camera else None
+        self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
+        self._trajectories = Trajectories(folder, team)
+        self._recording = Recording(
+            folder / "moving_team.rrd",
+            team,
+            walls=scenario.walls,
+            wall_height=scenario.wall_height,
+            recording_id=f"moving_team_{options.replay.stem if options.replay else options.seed}",
+            camera=options.camera,
+            viewer=viewer,
+        )
+        self._pictured = -PICTURE_EVERY
+
+    def run(self, team_filter: SetMembershipFilter) -> str | None:
+        """Follow to the end; return None, or what was proved to disagree and stopped the filter.
+
+        Raises:
+            CorralError: A frame cannot be used.
+        """
+        with self._log, self._recording, self._trajectories, StepProgress(self._scenario.count) as progress:
+            try:
+                for step in steps(team_filter, self._scenario, self._log):
+                    self._keep(step)
+                    progress.advance(step.frame.time, step.seconds)
+            except Inconsistent as error:
+                self._recording.event(str(error), "ERROR")
+                return str(error)
+        return None
+
+    def _keep(self, step: Step) -> None:
+        escapes = self.metrics.add(step.frame, step.belief, step.seconds)
+        self._recording.add(step.frame, step.belief)
+        self._trajectories.write(step.frame, step.belief)
+        for words in self._contacts.changes(step.frame):
+            self._recording.event(words)
+        self._report(escapes)
+        if self._picture and step.frame.time - self._pictured >= PICTURE_EVERY - ROUNDING:
+            self._recording.image(self._picture())
+            self._pictured = step.frame.time
+
+    def _report(self, escapes: Escapes) -> None:
+        for what, robots in (("position", escapes.positions), ("heading", escapes.headings)):
+            for robot in robots:
+                self._recording.event(f"{self._scenario.team.name(robot)}: the {what} escaped", "ERROR")
+
+
+def summary_of(options: Options, scenario: Scenario, metrics: Metrics) -> dict[str, Value]:
+    """Return the run's summary; what a log does not tell is None."""
+    simulated = options.replay is None
+    rate = scenario.header.rate
+    return {
+        "robots": scenario.team.robots,
+        "duration_s": metrics.steps / rate if rate else None,
+        "rate_hz": rate,
+        "seed": options.seed if simulated else None,
+        "errors": options.errors if simulated else None,
+        "solver": options.solver,
+        "measurements_mode": options.measurements if simulated else None,
+        "replay": None if simulated else str(options.replay),
+        **metrics.summary(),
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,49 @@
+"""What an experiment shows in the terminal: a progress bar and messages on stderr, a table on stdout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from experiments.metrics import Value
+
+
+def tell(message: str) -> None:
+    """Print one message to stderr."""
+    Console(stderr=True).print(message, markup=False, highlight=False, soft_wrap=True)
+
+
+def print_table(title: str, values: Mapping[str, Value]) -> None:
+    """Print a table of names and values to stdout."""
+    table = Table("quantity", "value", title=title, title_justify="left")
+    table.columns[1].justify = "right"
+    for name, value in values.items():
+        table.add_row(name, "-" if value is None else str(value))
+    Console().print(table)
+
+
+class StepProgress:
+    """A progress bar over the steps of a run, with the run's time and how long a step takes. Use as a context manager."""
+
+    def __init__(self, count: int | None) -> None:
+        """Prepare the bar for `count` steps, or for nobody knows how many."""
+        time, step = "{task.fields[time]:6.1f} s of the run", "{task.fields[step]:4.0f} ms a step"
+        self._progress = Progress(
+            BarColumn(), TextColumn(time), TextColumn(step), TimeRemainingColumn(), console=Console(stderr=True)
+        )
+        self._task = self._progress.add_task("", total=count, time=0.0, step=0.0)
+
+    def advance(self, time: float, seconds: float) -> None:
+        """Show that a step at `time` [s] of the run took `seconds`."""
+        self._progress.update(self._task, advance=1, time=time, step=1e3 * seconds)
+
+    def __enter__(self) -> StepProgress:
+        self._progress.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._progress.stop()

@@ -37,7 +37,7 @@ class LinearProgram:
 
     @cached_property
     def centre(self) -> Array:
-        """(v,) middle of the box; everything is computed relative to it, so that large coordinates lose nothing [m]."""
+        """(v,) middle of the box; everything is computed relative to it, so that large coordinates lose little [m]."""
         return (self.lower + self.upper) / 2
 
     @cached_property

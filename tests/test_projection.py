@@ -169,6 +169,12 @@ def test_degenerate_polytopes_have_projections(shape, solver, far):
     assert found.outer.area < 1e-5
 
 
+def test_without_an_interior_nothing_is_possible_for_sure():
+    """On a line, rounding leaves no point of which every row holds for sure: better none than a doubtful one."""
+    program = box_program([0, 0], [1, 1], [[0.6, -0.8], [-0.6, 0.8]], [0.1, -0.1])
+    assert projected(program, position(0, 1), "highs", Stop()).inner is None
+
+
 class Fake:
     """A solver that does whatever it likes."""
 

@@ -45,8 +45,8 @@ def test_a_whole_ellipse_is_impossible_just_when_it_misses_the_polygon():
         covariances = roots @ roots.transpose(0, 2, 1) + 1e-6 * np.eye(2)
         missed = {alarm.robot for alarm in watch(belief, points, covariances, 0.95) if alarm.everything}
         for robot, region in enumerate(belief.regions):
-            (a, b), (_, d) = np.linalg.cholesky(covariances[robot]) * size
-            ellipse = affinity.affine_transform(Point(0, 0).buffer(1, 256), [a, b, covariances[robot][0, 1] / a * size**2, d, *points[robot]])
+            root = np.linalg.cholesky(covariances[robot]) * size
+            ellipse = affinity.affine_transform(Point(0, 0).buffer(1, 256), [*root.ravel(), *points[robot]])
             gap = ellipse.distance(Shape(region.outer.vertices))
             if gap > RIM or ellipse.intersection(Shape(region.outer.vertices)).area > RIM:
                 seen[gap > 0] += 1

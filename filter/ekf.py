@@ -232,14 +232,15 @@ class ExtendedKalmanFilter:
             innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - belief.mean[robot, 2]))
             variance = (self.noise.bearing * record.bound) ** 2
         else:
-            slope, innovation, variance = towards, record.range - distance, self._range_variance(record)
+            slope, innovation, variance = towards, record.range - distance, self._range_variance(record, distance)
         self._spread(H, rows, robot, -slope)
         moving = np.flatnonzero(record.target < self.team.robots)
         self._spread(H, moving, record.target[moving], slope[moving])
         return innovation, H, variance
 
-    def _range_variance(self, record: Range) -> Array:
-        return np.asarray((self.noise.range * (record.bound + record.relative_bound * record.range)) ** 2)
+    def _range_variance(self, record: Range, distance: Array) -> Array:
+        """Return variances (k,) at the predicted distances (k,): at the measured ones, short readings would weigh more."""
+        return np.asarray((self.noise.range * (record.bound + record.relative_bound * distance)) ** 2)
 
     @staticmethod
     def _spread(H: Array, rows: Integers, robot: Integers, slope: Array) -> None:

@@ -1,4 +1,4 @@
-"""The set-membership filter: predict, then headings, merge, project, prune. A belief goes in and a new belief comes out."""
+"""The set-membership filter: predict, then headings, merge, prune, project. A belief goes in and a new belief comes out."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class SetMembershipFilter:
     solver: str = "piqp"
     stop: Stop = field(default_factory=Stop)
     rows_per_robot: int = 12
-    rows_per_pair: int = 12
+    rows_per_pair: int = 8
 
     def __post_init__(self) -> None:
         check_solver(self.solver)
@@ -127,9 +127,12 @@ class SetMembershipFilter:
         sources, numbered = _numbered(belief.sources, measurements)
         headings = self._headings(belief, measurements)
         polytope = self._merged(belief.polytope, headings, numbered)
-        polytope, regions, sources = searched(belief.time, polytope, sources, self.solver, self.stop)
-        pruned = prune(polytope, self.rows_per_robot, self.rows_per_pair)
-        return Belief.compact(belief.time, polytope.with_constraints(pruned), headings, regions, sources)
+        polytope, regions, sources = searched(belief.time, self._pruned(polytope), sources, self.solver, self.stop)
+        return Belief.compact(belief.time, self._pruned(polytope), headings, regions, sources)
+
+    def _pruned(self, polytope: Polytope) -> Polytope:
+        """Prune before a search, for the solver's time, and after it, when regions have become rows."""
+        return polytope.with_constraints(prune(polytope, self.rows_per_robot, self.rows_per_pair))
 
     def _moved_box(self, belief: Belief, time: float, moves: Displacements) -> tuple[Array, Array]:
         robots = np.arange(self.team.robots)

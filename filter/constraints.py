@@ -42,12 +42,6 @@ class Constraints:
             object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     @classmethod
-    def none(cls) -> Constraints:
-        """Return zero rows."""
-        index = np.zeros(0, dtype=np.int64)
-        return cls(index, index, np.zeros((0, 2)), np.zeros(0), index)
-
-    @classmethod
     def between(cls, i: Integers, j: Integers, normal: Array, offset: Array, source: Integers) -> Constraints:
         """Return rows on pairs in either order, turned so that i is below j."""
         swapped = i > j

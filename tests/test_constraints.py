@@ -37,8 +37,9 @@ def test_the_matrix_gives_what_each_row_says():
 
 
 def test_no_rows_make_a_matrix_without_rows():
-    assert Constraints.none().matrix(3).shape == (0, 6)
-    assert len(Constraints.concatenate([Constraints.none(), Constraints.none()])) == 0
+    nothing = some_rows(np.random.default_rng(0)).select(np.zeros(0, dtype=int))
+    assert nothing.matrix(3).shape == (0, 6)
+    assert len(Constraints.concatenate([nothing, nothing])) == 0
 
 
 def test_rows_are_selected_by_index_and_by_mask():

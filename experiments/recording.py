@@ -33,6 +33,10 @@ UNKNOWN_ARENA = np.array([[-4.0, -4.0], [4.0, 4.0]])  # what is shown at least w
 BACKGROUND: Colour = (22, 24, 29)
 WALL: Colour = (112, 118, 130)
 INK: Colour = (245, 246, 248)
+ELLIPSE: Colour = (255, 214, 102)  # of another estimator
+ALARM: Colour = (255, 76, 76)
+ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
+CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
 RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
 
 
@@ -77,6 +81,7 @@ class Recording:
         self._drawing = Drawing(team)
         self._rows: dict[str, list[tuple[int, float, Any]]] = defaultdict(list)
         self._step, self._time, self._sent = -1, 0.0, -np.inf
+        self._styled: set[str] = set()
         self._draw_world(team, walls, wall_height)
         for robot in range(team.robots):
             self._style(team.name(robot), mixed(colour_of(robot), INK, 0.15))  # lighter, for the dark ground
@@ -88,6 +93,26 @@ class Recording:
             self._put(path, item)
         if self._time - self._sent >= SEND_EVERY:
             self.send()
+
+    def ellipses(self, means: Array, covariances: Array, size: float) -> None:
+        """Record another estimator's ellipses e' P^-1 e <= size at the last step, over the polygons.
+
+        Args:
+            means: (n, 2) [m].
+            covariances: (n, 2, 2) [m2].
+            size: Quantile of the chi-square distribution with two degrees of freedom.
+        """
+        for robot, (mean, root) in enumerate(zip(means, np.linalg.cholesky(covariances), strict=True)):
+            path = f"/world/ellipse/{self._drawing.team.name(robot)}"
+            self._style_once(path, rr.LineStrips3D.from_fields(colors=ELLIPSE, radii=ui_points(1.6)))
+            line = mean + np.sqrt(size) * CIRCLE @ root.T
+            self._put(path, Strips((np.column_stack([line, np.full(len(line), ELLIPSE_HEIGHT)]),)))
+
+    def impossible(self, points: Sequence[Array]) -> None:
+        """Mark (2,) points that are proved to be wrong at the last step [m]; none for no mark."""
+        path = "/world/impossible"
+        self._style_once(path, rr.Points3D.from_fields(colors=ALARM, radii=ui_points(8), point_shading="flat"))
+        self._put(path, Points(np.array([(*point, ELLIPSE_HEIGHT) for point in points]).reshape(-1, 3)))
 
     def event(self, text: str, level: str = "INFO") -> None:
         """Enter an event at the time of the last step; level is INFO, WARN or ERROR."""
@@ -121,6 +146,11 @@ class Recording:
 
     def _static(self, path: str, archetype: Any) -> None:
         self._stream.log(path, archetype, static=True, strict=True)
+
+    def _style_once(self, path: str, archetype: Any) -> None:
+        if path not in self._styled:
+            self._styled.add(path)
+            self._static(path, archetype)
 
     def _draw_world(self, team: Team, walls: Array, height: float) -> None:
         self._static("/world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)

@@ -125,12 +125,13 @@ class ExtendedKalmanFilter:
         """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ.
+            InvalidInput: The numbers of sets and robots differ, or an arc is empty.
         """
         n = self.team.robots
         arcs = AngularIntervals.circles(n) if headings is None else headings
-        if len(positions) != n or len(arcs) != n:
-            raise InvalidInput(f"an initial polygon and arc for each of {n} robots", f"{len(positions)} and {len(arcs)}")
+        if len(positions) != n or len(arcs) != n or arcs.empty.any():
+            came = f"{len(positions)} and {len(arcs)}, {int(arcs.empty.sum())} empty"
+            raise InvalidInput(f"an initial polygon and arc for each of {n} robots, none empty", came)
         corners = np.array([polygon.bounds for polygon in positions])
         half = (corners[:, 1] - corners[:, 0]) / 2
         deviations = UNIFORM * np.column_stack([half, arcs.bound])

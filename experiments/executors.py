@@ -1,0 +1,76 @@
+"""Where a sweep computes: on the cores of this machine, or on a Dask cluster; a `concurrent.futures` executor either way."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from importlib import import_module
+
+from filter.arrays import whole
+from filter.errors import CorralError, InvalidInput
+
+# One thread a worker: as many workers as cores, and sums always in the same order.
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1")
+PATIENCE = "10s"  # that a scheduler may take to answer
+
+
+class NoCluster(CorralError):
+    """A cluster cannot be used; everything works without."""
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def executor(workers: int | None = None, scheduler: str | None = None) -> Iterator[Executor]:
+    """Lend an executor; work that has not begun is dropped when its user fails.
+
+    Args:
+        workers: How many processes on this machine; None for one on each core.
+        scheduler: Address of a Dask scheduler to compute on instead, or None.
+
+    Raises:
+        InvalidInput: The number of workers is below 1, or comes together with a scheduler.
+        NoCluster: Dask is not installed, or the scheduler does not answer.
+    """
+    if scheduler is not None and workers is not None:
+        raise InvalidInput("either workers on this machine or a scheduler, which has its own", "both")
+    lent = _local(workers) if scheduler is None else _cluster(scheduler)
+    with lent as pool:
+        yield pool
+
+
+@contextmanager
+def _local(workers: int | None) -> Iterator[Executor]:
+    count = cores() if workers is None else int(whole("number of workers", workers, low=1))
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ |= ONE_THREAD  # inherited by the workers, which read it as they start
+    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+        for name, value in before.items():
+            os.environ.pop(name) if value is None else os.environ.update({name: value})
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Executor]:
+    try:
+        dask = import_module("distributed")
+    except ImportError:
+        raise NoCluster("no Dask here for --scheduler: install it with pip install 'corral[cluster]'") from None
+    try:
+        client = dask.Client(address, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise NoCluster(f"no Dask scheduler answers at {address}: {error}") from None
+    try:
+        with client, client.get_executor(pure=False, retries=2) as pool:
+            yield pool
+    except dask.KilledWorker as error:
+        raise NoCluster(f"workers of {address} died again and again: {error}; what is finished is kept") from None

@@ -1,0 +1,90 @@
+"""Reads trajectories in TUM's format: a line a pose, t x y z qx qy qz qw; empty lines and lines with # are left out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from filter.arrays import Array, read_only
+from filter.errors import InvalidInput
+
+COLUMNS = 8
+ROBOT = re.compile(r"r(\d+)(?!\d)")  # what a file's name begins with
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Where one robot was at some times.
+
+    Attributes:
+        times: (k,) increasing [s].
+        positions: (k, 2) [m].
+    """
+
+    times: Array
+    positions: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", read_only(self.times))
+        object.__setattr__(self, "positions", read_only(self.positions))
+
+    def at(self, time: float, tolerance: float) -> Array:
+        """Return the (2,) position of the pose nearest in time, NaN if none is within the tolerance [s]."""
+        after = int(np.searchsorted(self.times, time))
+        near = [k for k in (after - 1, after) if 0 <= k < len(self.times) and abs(self.times[k] - time) <= tolerance]
+        return self.positions[min(near, key=lambda k: abs(self.times[k] - time))] if near else np.full(2, np.nan)
+
+
+def read_trajectory(path: Path) -> Trajectory:
+    """Return a trajectory.
+
+    Raises:
+        InvalidInput: The file cannot be read, has no pose, or a line is none; or time does not advance.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput("a readable TUM file", f"{path}: {error}") from None
+    poses = []
+    for number, line in enumerate(lines, 1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            poses.append(_pose(path, number, line))
+            if len(poses) > 1 and poses[-1][0] <= poses[-2][0]:
+                raise InvalidInput(f"{path}, line {number}: a time after {poses[-2][0]!r} s", f"{poses[-1][0]!r} s")
+    if not poses:
+        raise InvalidInput(f"{path}: at least one pose", "none")
+    table = np.array(poses)
+    return Trajectory(table[:, 0].copy(), table[:, 1:3].copy())
+
+
+def _pose(path: Path, number: int, line: str) -> list[float]:
+    try:
+        pose = [float(word) for word in line.split()]
+    except ValueError:
+        pose = []
+    if len(pose) != COLUMNS or not np.isfinite(pose).all():
+        raise InvalidInput(f"{path}, line {number}: {COLUMNS} finite numbers, t x y z qx qy qz qw", repr(line))
+    return pose
+
+
+def find_trajectories(place: Path, pattern: str, robots: int) -> dict[int, Path]:
+    """Return the file of each robot: of one file, or of those in a folder; r3.tum or r3_anything.tum is robot 3's.
+
+    Raises:
+        InvalidInput: There is none, a name tells no robot of the team, or a robot has two.
+    """
+    files = sorted(place.glob(pattern)) if place.is_dir() else [place]
+    found: dict[int, Path] = {}
+    for file in files:
+        named = ROBOT.match(file.name)
+        if named is None or int(named[1]) >= robots:
+            raise InvalidInput(f"files named for a robot, r0 to r{robots - 1}, as in r0.tum", str(file))
+        if (robot := int(named[1])) in found:
+            raise InvalidInput("one trajectory a robot; --pattern tells which", f"{found[robot].name} and {file.name}")
+        found[robot] = file
+    if not found:
+        raise InvalidInput(f"trajectories {pattern} in {place}", "none")
+    return found

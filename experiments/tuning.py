@@ -6,7 +6,7 @@ Compass, bearings and ranges err anew each time (or, for `bias`, always the same
 in `sim.errors`. Wheels do not: a wheel that is too large is so at every step, errors add up, and a filter that takes them
 for independent believes itself too much. So theirs are measured over three seconds, `odometry_deviations`: independent
 errors of this size add up, in three seconds, to what the true ones do. Three, because then the filter is consistent: with
-deviations of single steps its NEES is 2.9 instead of 2, with those of one second 2.2, of three 1.95, of five 1.8 (gaussian
+deviations of single steps its NEES is 3.8 instead of 2, with those of one second 2.2, of three 1.95, of five 1.8 (gaussian
 errors, 16 runs of 60 s that the comparison does not use). The size of its ellipses hardly changes.
 """
 

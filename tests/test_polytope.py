@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from worlds import unit
+from worlds import NO_ROWS, unit
 
 from filter.constraints import Constraints
 from filter.polytope import Polytope
@@ -65,7 +65,7 @@ def test_the_program_has_the_rows_and_the_box():
 
 def test_other_rows_go_into_the_same_box():
     team, _ = polytope(np.random.default_rng(2))
-    other = team.with_constraints(Constraints.none())
+    other = team.with_constraints(NO_ROWS)
     assert len(other.constraints) == 0
     assert other.lower is team.lower
 

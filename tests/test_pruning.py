@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from worlds import unit
+from worlds import NO_ROWS, unit
 
 from filter.constraints import WORLD, Constraints
 from filter.polygon import Polygon, clip
@@ -97,4 +97,4 @@ def test_slivers_points_and_duplicates_are_pruned_too(width):
 
 
 def test_a_polytope_without_rows_has_nothing_to_prune():
-    assert len(prune(Polytope(Constraints.none(), np.zeros((2, 2)), np.ones((2, 2))), 4, 4)) == 0
+    assert len(prune(Polytope(NO_ROWS, np.zeros((2, 2)), np.ones((2, 2))), 4, 4)) == 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from worlds import exact_slack, unit
+from worlds import NO_ROWS, exact_slack, unit
 
 from filter.angles import AngularIntervals, wrap
 from filter.constraints import WORLD, Constraints
@@ -128,7 +128,7 @@ def test_a_range_that_may_be_0_has_no_near_side():
 
 
 def polytope(lower, upper):
-    return Polytope(Constraints.none(), np.asarray(lower, dtype=float), np.asarray(upper, dtype=float))
+    return Polytope(NO_ROWS, np.asarray(lower, dtype=float), np.asarray(upper, dtype=float))
 
 
 @pytest.mark.parametrize("far", [0.0, 1e3, 5e6])

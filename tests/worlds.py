@@ -13,7 +13,7 @@ from scipy import sparse
 from filter.angles import AngularIntervals, wrap
 from filter.arrays import Array
 from filter.belief import Belief
-from filter.constraints import WORLD
+from filter.constraints import WORLD, Constraints
 from filter.lp import LinearProgram
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
@@ -22,6 +22,9 @@ from filter.team import Team
 # The same examples in every run, whatever the machine's speed: a failure can be repeated.
 settings.register_profile("corral", derandomize=True, deadline=None, database=None)
 settings.load_profile("corral")
+
+NO_INDEX = np.zeros(0, dtype=np.int64)
+NO_ROWS = Constraints(NO_INDEX, NO_INDEX, np.zeros((0, 2)), np.zeros(0), NO_INDEX)
 
 
 @dataclass

@@ -57,10 +57,10 @@ def _added_area(lines: list[list[float]], around: list[int], k: int) -> float:
     """Return the area of the triangle that removing edge k adds; infinite where its neighbours do not meet beyond it [m2]."""
     place = around.index(k)
     before, edge, after = lines[around[place - 1]], lines[k], lines[around[(place + 1) % len(around)]]
-    corners = _meet(before, edge), _meet(edge, after), _meet(before, after)
-    if any(corner is None for corner in corners):
+    start, end, apex = _meet(before, edge), _meet(edge, after), _meet(before, after)
+    if start is None or end is None or apex is None:
         return np.inf
-    (x0, y0), (x1, y1), (x2, y2) = corners  # type: ignore[misc]
+    (x0, y0), (x1, y1), (x2, y2) = start, end, apex
     return abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
 
 

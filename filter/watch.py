@@ -45,7 +45,7 @@ class Alarm:
 
     def __str__(self) -> str:
         what = "the whole ellipse" if self.everything else "the estimate"
-        because = "; ".join(map(str, self.sources)) or "the arena"
+        because = "; ".join(map(str, self.sources)) or "the box that it was known to be in"
         return f"{what} of robot {self.robot} at {self.time:.3f} s is impossible by {self.distance:.3f} m, proved by {because}"
 
 

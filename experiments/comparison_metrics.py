@@ -5,6 +5,7 @@ Containment, consistency and proofs count robot-steps: one robot at one step.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,9 +17,9 @@ from filter.arrays import Array, Floats
 from filter.belief import Belief
 from filter.ekf import GaussianBelief
 from filter.polygon import Polygon
-from filter.projection import project, relative_position
+from filter.projection import NOTHING, relative_position
+from filter.projector import project_all
 from filter.set_membership import SetMembershipFilter
-from filter.solvers import workspace
 from filter.watch import watch
 from sim.frame import Frame, Truth
 
@@ -53,12 +54,11 @@ def neighbours(robots: int) -> list[tuple[int, int]]:
     return [(robot, robot + 1) for robot in range(robots - 1)]
 
 
-def relative_region(belief: Belief, i: int, j: int, team_filter: SetMembershipFilter) -> Polygon:
-    """Return an outer polygon around x_i - x_j: the team's polytope projected onto the pair (eq. 3)."""
-    program = belief.polytope.program()
-    D = relative_position(i, j, len(belief.regions))
-    solver = workspace(program, team_filter.solver)
-    return project(program, solver, D, program.centre, stop=team_filter.stop).outer
+def relative_regions(belief: Belief, pairs: Sequence[tuple[int, int]], team_filter: SetMembershipFilter) -> list[Polygon]:
+    """Return outer polygons around x_i - x_j for some pairs: the team's polytope projected onto each pair (eq. 3)."""
+    planes = [relative_position(i, j, len(belief.regions)) for i, j in pairs]
+    program, known = belief.polytope.program(), [NOTHING] * len(planes)
+    return [found.outer for found in project_all(program, planes, known, team_filter.solver, team_filter.stop).found]
 
 
 @dataclass
@@ -99,8 +99,8 @@ class SetTally:
         self.metrics.add(frame, belief, seconds)
 
     def _add_pairs(self, belief: Belief, truth: Truth) -> None:
-        for i, j in neighbours(len(belief.regions)):
-            outer = relative_region(belief, i, j, self.team_filter)
+        pairs = neighbours(len(belief.regions))
+        for (i, j), outer in zip(pairs, relative_regions(belief, pairs, self.team_filter), strict=True):
             apart = truth.positions[i] - truth.positions[j]
             self._pairs.add("inside", [outer.contains(apart)])
             self._pairs.add("area", [outer.area])

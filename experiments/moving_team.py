@@ -22,6 +22,7 @@ from experiments.scenarios import Scenario, from_log, from_simulator
 from experiments.terminal import StepProgress, print_table, tell
 from experiments.viewer import open_viewer
 from filter.errors import CorralError, Inconsistent, InvalidInput
+from filter.projector import EXACT
 from filter.set_membership import SetMembershipFilter
 from sim.episode import MeasurementChoice, episode
 from sim.errors import ErrorKind
@@ -49,8 +50,8 @@ class Options:
     """Where all randomness comes from: the same seed, the same run."""
     errors: ErrorKind = "uniform"
     """Kind of the sensors' errors, always within their bounds."""
-    solver: str = "piqp"
-    """What solves the linear programs: piqp, or any solver that qpsolvers finds here."""
+    solver: str = EXACT
+    """How regions are found: exact, or searched by piqp or any other solver that qpsolvers finds here."""
     measurements: MeasurementChoice = "all"
     """all; absolute: none from robot to robot; none: odometry and compass alone."""
     out: Path = Path("runs/moving_team")

@@ -28,8 +28,6 @@ from filter.errors import CorralError, InvalidInput
 from filter.set_membership import SetMembershipFilter
 from filter.watch import Alarm, watch
 
-BOX = "the box that it was known to be in"
-
 
 @dataclass(frozen=True)
 class Options:
@@ -160,14 +158,14 @@ def _matched(options: Options, trajectories: Mapping[int, Trajectory]) -> Iterat
 
 
 def _row(alarm: Alarm) -> list[object]:
-    sources = "; ".join(map(str, alarm.sources)) or BOX
+    sources = "; ".join(map(str, alarm.sources))
     return [alarm.time, f"r{alarm.robot}", alarm.distance, *alarm.normal.tolist(), alarm.offset, sources]
 
 
 def _print_stretches(stretches: Sequence[Stretch]) -> None:
     table = Table("robot", "from [s]", "to [s]", "poses", "beyond [m]", "proved at its worst by", title="Proved wrong")
     for each in sorted(stretches, key=lambda each: (each.start, each.worst.robot)):
-        proof = "; ".join(map(str, each.worst.sources)) or BOX
+        proof = "; ".join(map(str, each.worst.sources))
         numbers = (f"{each.start:.3f}", f"{each.end:.3f}", str(each.frames), f"{each.worst.distance:.3f}")
         table.add_row(f"r{each.worst.robot}", *numbers, proof)
     if stretches:

@@ -1,7 +1,8 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
-Read the modules in this order: errors, arrays, angles, polygon, constraints, lp, solvers, polytope, measurements, team,
-sensing, motion, projection, pruning, belief, regions, set_membership.
+Read the modules in this order: errors, arrays, angles, plane, polygon, constraints, lp, scaling, solvers, polytope,
+measurements, team, sensing, motion, projection, pruning, simplex, shadow, exact, projector, belief, regions,
+set_membership.
 """
 
 from filter.angles import AngularIntervals

@@ -87,8 +87,8 @@ class Region:
         inner: Every point of it is possible; None when nothing is known from inside (after a prediction, say).
         searches: How many directions were searched.
         reason: Why the search ended, or None when there was none.
-        causes: For each edge of the outer polygon the numbers of its sources in the belief's table; empty for the
-            edge of a box.
+        causes: For each edge of the outer polygon the numbers of its sources in the belief's table; for a side of
+            the box what the box comes from.
     """
 
     outer: Polygon
@@ -130,12 +130,15 @@ class Belief:
     ) -> Belief:
         """Return a belief whose table holds only the sources that its rows and edges name."""
         rows = polytope.constraints
-        used = np.unique(np.concatenate([rows.source, *(cause for region in regions for cause in region.causes)]))
+        used = np.unique(
+            np.concatenate([rows.source, polytope.origin, *(cause for region in regions for cause in region.causes)])
+        )
         regions = tuple(
             replace(region, causes=tuple(np.searchsorted(used, cause) for cause in region.causes)) for region in regions
         )
         renumbered = replace(rows, source=np.searchsorted(used, rows.source))
-        return cls(time, polytope.with_constraints(renumbered), headings, regions, sources.select(used))
+        origin = np.searchsorted(used, polytope.origin)
+        return cls(time, replace(polytope, constraints=renumbered, origin=origin), headings, regions, sources.select(used))
 
     @property
     def constraints(self) -> Constraints:

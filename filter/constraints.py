@@ -14,7 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from filter.arrays import Array, Integers, Mask, read_only
-from filter.polygon import EPSILON
+from filter.plane import EPSILON
 
 WORLD = -1
 

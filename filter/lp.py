@@ -13,7 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from filter.arrays import Array, Mask
-from filter.polygon import EPSILON
+from filter.plane import EPSILON
 
 # Rounding of a few operations on entries of at most four non-zeros; each operation is off by EPSILON / 2 at most.
 FEW = 16 * EPSILON

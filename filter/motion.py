@@ -14,7 +14,7 @@ from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, read_only
 from filter.constraints import WORLD, Constraints
 from filter.measurements import Odometry
-from filter.polygon import EPSILON
+from filter.plane import EPSILON
 from filter.team import Team
 
 # A sector wider than this, almost a half-plane, says nothing that the longest way does not say [rad].

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,19 +20,26 @@ class Polytope:
         constraints: Rows on the bodies.
         lower: (n, 2) least coordinates, finite [m].
         upper: (n, 2) greatest coordinates, finite; equal to the lower ones where anchored [m].
+        origin: (n,) what each robot's box comes from, numbers in the belief's table of sources; (0,) when nobody asks.
     """
 
     constraints: Constraints
     lower: Array
     upper: Array
+    origin: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", read_only(self.origin))
         object.__setattr__(self, "lower", read_only(self.lower))
         object.__setattr__(self, "upper", read_only(self.upper))
 
     def with_constraints(self, constraints: Constraints) -> Polytope:
         """Return the same box with other rows."""
-        return Polytope(constraints, self.lower, self.upper)
+        return Polytope(constraints, self.lower, self.upper, self.origin)
+
+    def source_of_box(self, robot: int) -> Integers:
+        """Return the number of the source of a robot's box, (1,), or (0,) when it is not known."""
+        return self.origin[robot : robot + 1]
 
     def program(self) -> LinearProgram:
         """Return the polytope as a linear program in (x_0, y_0, x_1, y_1, ...)."""

@@ -15,7 +15,8 @@ import numpy as np
 
 from filter.arrays import Array, Integers, number, read_only, whole
 from filter.lp import LinearProgram
-from filter.polygon import EPSILON, Polygon, clip
+from filter.plane import EPSILON
+from filter.polygon import Polygon, clip
 from filter.solvers import Workspace
 
 HalfPlanes = tuple[Array, Array]  # normals (k, 2) and offsets (k,)
@@ -31,20 +32,22 @@ THIN = 1e-6
 
 @dataclass(frozen=True)
 class Stop:
-    """When a search ends: at whichever comes first.
+    """When a projection is good enough: at whichever comes first.
+
+    A search ends there; an exact projection is simplified, outward, as far as that.
 
     Attributes:
         performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
         area_gap: Outer area less inner area (eq. 6) [m2], from 0 on.
-        searches: Number of searches, from 4 on.
+        searches: Number of searches, or of edges, from 4 on.
 
     Raises:
         InvalidInput: A number is not finite or out of its range.
     """
 
-    performance_ratio: float = 0.95
+    performance_ratio: float = 0.999
     area_gap: float = 0.0
-    searches: int = 16
+    searches: int = 32
 
     def __post_init__(self) -> None:
         number("performance ratio", self.performance_ratio, 0, 1)
@@ -71,9 +74,9 @@ class Projection:
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
         directions: (s, 2) searched directions, of length 1.
         multipliers: (s, r) the proof of each outer edge, a weight for each row of the program.
-        inner_areas: (s,) area inside after each search, as the solver has it [m2].
-        outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2].
-        reason: Why the search ended; it went by the areas as the solver has them.
+        inner_areas: (s,) area inside after each search, as the solver has it [m2]; (0,) where nothing was searched.
+        outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2]; or (0,).
+        reason: Why the search ended, by the areas as the solver has them.
     """
 
     outer: Polygon
@@ -142,9 +145,11 @@ def project(
     directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
     points = np.array(search.points).reshape(-1, D.shape[1])
     multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
+    outer, edges, _ = outer_polygon(program, D, directions, multipliers, known)
     return Projection(
-        *_outer(program, D, directions, multipliers, known),
-        _inner(program, D, points, interior),
+        outer,
+        edges,
+        inner_polygon(program, D, points, interior),
         directions,
         multipliers,
         np.array(search.inner_areas),
@@ -153,18 +158,31 @@ def project(
     )
 
 
-def _outer(
+def outer_polygon(
     program: LinearProgram, D: Array, directions: Array, multipliers: Array, known: HalfPlanes
-) -> tuple[Polygon, Integers]:
+) -> tuple[Polygon, Integers, Array]:
+    """Return a polygon around the projection {D x}: proved, whatever the multipliers are.
+
+    Args:
+        program: What is projected.
+        D: (2, v).
+        directions: (s, 2) of the edges, of length 1.
+        multipliers: (s, r) their proofs.
+        known: Half-planes that contain the projection anyway.
+
+    Returns:
+        The polygon; the direction behind each of its edges, from s on the known half-planes, negative for the program's
+        box; and the (s,) certified bounds of the directions [m].
+    """
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
     terms = 4 + np.count_nonzero(D, axis=1)
     reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
-    normals = np.concatenate([directions, known[0]])
     certified = program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
-    offsets = np.concatenate([certified, known[1]])
-    kept = clip(normals, offsets, middle - reach, middle + reach)
+    normals, offsets = np.concatenate([directions, known[0]]), np.concatenate([certified, known[1]])
     # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
-    return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
+    kept = clip(normals, offsets, middle - reach, middle + reach)
+    outer, edges = kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
+    return outer, edges, certified
 
 
 def _rounding_of_objectives(program: LinearProgram, D: Array, directions: Array) -> Array:
@@ -174,7 +192,11 @@ def _rounding_of_objectives(program: LinearProgram, D: Array, directions: Array)
     return 4 * EPSILON * (np.abs(directions) @ rough @ (np.abs(program.centre) + program.radius))
 
 
-def _inner(program: LinearProgram, D: Array, points: Array, interior: Array) -> Polygon | None:
+def inner_polygon(program: LinearProgram, D: Array, points: Array, interior: Array) -> Polygon | None:
+    """Return a polygon inside the projection {D x}: the hull of those of the (k, v) points that are proved feasible.
+
+    They are first pulled to an interior point (v,), as far as they need it; None when none can be proved feasible.
+    """
     pulled = program.pulled(points, interior)
     feasible = pulled[program.holds(pulled)]
     return Polygon.hull(feasible @ D.T) if len(feasible) else None

@@ -6,6 +6,7 @@ import numpy as np
 
 from filter.arrays import Integers
 from filter.constraints import WORLD, Constraints
+from filter.plane import worthy
 from filter.polygon import Polygon
 from filter.polytope import Polytope
 
@@ -39,33 +40,5 @@ def worthy_edges(polygon: Polygon, edges: Integers, budget: int) -> Integers:
         edges: (e,) the row behind each edge; a negative one belongs to the box, stays and counts nothing.
         budget: How many rows may stay.
     """
-    lines = np.column_stack([polygon.normals, polygon.offsets - polygon.normals @ polygon.centroid]).tolist()
-    around = list(range(len(edges)))
-    added = {k: _added_area(lines, around, k) for k in around if edges[k] >= 0}
-    while len(added) > budget:
-        least = min(added, key=added.__getitem__)
-        place = around.index(least)
-        around.pop(place)
-        del added[least]
-        for k in (around[place - 1], around[place % len(around)]):
-            if k in added:
-                added[k] = _added_area(lines, around, k)
-    return edges[sorted(added)]
-
-
-def _added_area(lines: list[list[float]], around: list[int], k: int) -> float:
-    """Return the area of the triangle that removing edge k adds; infinite where its neighbours do not meet beyond it [m2]."""
-    place = around.index(k)
-    before, edge, after = lines[around[place - 1]], lines[k], lines[around[(place + 1) % len(around)]]
-    start, end, apex = _meet(before, edge), _meet(edge, after), _meet(before, after)
-    if start is None or end is None or apex is None:
-        return np.inf
-    (x0, y0), (x1, y1), (x2, y2) = start, end, apex
-    return abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
-
-
-def _meet(first: list[float], second: list[float]) -> tuple[float, float] | None:
-    """Return where two lines a x + b y = c meet, or None unless the second turns left of the first by less than half a turn."""
-    (a, b, c), (d, e, f) = first, second
-    turn = a * e - b * d
-    return ((c * e - b * f) / turn, (a * f - c * d) / turn) if turn > 0 else None
+    offsets = polygon.offsets - polygon.normals @ polygon.centroid
+    return edges[worthy(polygon.normals, offsets, edges >= 0, budget, -1.0) & (edges >= 0)]

@@ -13,8 +13,8 @@ from filter.constraints import WORLD, Constraints
 from filter.errors import Inconsistent
 from filter.polygon import Polygon
 from filter.polytope import Polytope
-from filter.projection import Projection, Stop, position, project
-from filter.solvers import deepest_point, workspace
+from filter.projection import Projection, Stop, position
+from filter.projector import project_all
 
 # A row is a cause when its multiplier is above this share of the greatest one: what a solver leaves at less is its rounding.
 CAUSE = 1e-6
@@ -26,7 +26,7 @@ def regions_at_a_glance(polytope: Polytope) -> tuple[Region, ...]:
     regions = []
     for robot in range(len(polytope.lower)):
         outer, edges = polytope.of_robot(robot) or (Polygon.box(*polytope.box_of_robot(robot)), np.arange(-4, 0))
-        causes = tuple(source[edge : edge + 1] if edge >= 0 else source[:0] for edge in edges)
+        causes = tuple(source[edge : edge + 1] if edge >= 0 else polytope.source_of_box(robot) for edge in edges)
         regions.append(Region(outer, None, 0, None, causes))
     return tuple(regions)
 
@@ -43,26 +43,22 @@ def searched(
     Raises:
         Inconsistent: The polytope is proved to be empty.
     """
-    program = polytope.program()
-    deepest = deepest_point(program, solver)
-    if deepest is not None and program.proves_empty(deepest.multipliers):
-        conflict = sorted(_causes(polytope, deepest.multipliers), key=lambda number: (sources.time[number], number))
-        raise Inconsistent(f"at {time} s", [sources[number] for number in conflict])
-    interior = program.centre if deepest is None else deepest.point
     robots = len(polytope.lower)
+    known = [polytope.constraints.select(polytope.constraints.rows_of(WORLD, robot)) for robot in range(robots)]
+    planes = [position(robot, robots) for robot in range(robots)]
+    projections = project_all(polytope.program(), planes, [(rows.normal, rows.offset) for rows in known], solver, stop)
+    if projections.contradiction is not None:
+        conflict = sorted(_causes(polytope, projections.contradiction), key=lambda number: (sources.time[number], number))
+        raise Inconsistent(f"at {time} s", [sources[number] for number in conflict])
     sources, numbers = sources.extended("region", time, np.arange(robots))
-    directions = workspace(program, solver)
     regions, own = [], []
-    for robot in range(robots):
-        known = polytope.constraints.select(polytope.constraints.rows_of(WORLD, robot))
-        D = position(robot, robots)
-        found = project(program, directions, D, interior, stop=stop, known=(known.normal, known.offset))
-        region, rows = _region(polytope, robot, known, found, int(numbers[robot]))
+    for robot, found in enumerate(projections.found):
+        region, rows = _region(polytope, robot, known[robot], found, int(numbers[robot]))
         regions.append(region)
         own.append(rows)
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
     lower, upper = _boxes(polytope, regions)
-    return Polytope(Constraints.concatenate([pairs, *own]), lower, upper), tuple(regions), sources
+    return Polytope(Constraints.concatenate([pairs, *own]), lower, upper, numbers), tuple(regions), sources
 
 
 def _region(polytope: Polytope, robot: int, known: Constraints, found: Projection, number: int) -> tuple[Region, Constraints]:
@@ -72,7 +68,7 @@ def _region(polytope: Polytope, robot: int, known: Constraints, found: Projectio
         if edge >= found.searches:
             causes.append(known.source[edge - found.searches :][:1])
         else:
-            causes.append(_causes(polytope, found.multipliers[edge]) if edge >= 0 else known.source[:0])
+            causes.append(_causes(polytope, found.multipliers[edge]) if edge >= 0 else polytope.source_of_box(robot))
     region = Region(found.outer, found.inner, found.searches, found.reason, tuple(causes))
     fixed = found.edges >= 0
     source = np.append(np.full(found.searches, number), known.source)[found.edges[fixed]]

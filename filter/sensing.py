@@ -12,7 +12,8 @@ from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers
 from filter.constraints import WORLD, Constraints, rounding_of_rows
 from filter.measurements import Bearing, Compass, Range
-from filter.polygon import EPSILON, Polygon, spans_of
+from filter.plane import EPSILON
+from filter.polygon import Polygon, spans_of
 from filter.polytope import Polytope
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of area at most.

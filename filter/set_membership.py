@@ -17,6 +17,7 @@ from filter.motion import Displacements, displacements, turned_headings
 from filter.polygon import SIDES, Polygon
 from filter.polytope import Polytope
 from filter.projection import Stop
+from filter.projector import EXACT
 from filter.pruning import prune
 from filter.regions import regions_at_a_glance, searched
 from filter.sensing import (
@@ -38,8 +39,8 @@ class SetMembershipFilter:
 
     Attributes:
         team: The robots, the landmarks and their limits.
-        solver: "piqp", or any solver that qpsolvers has installed.
-        stop: When the search for one robot's region ends.
+        solver: "exact" for exact projections; "piqp", or any solver that qpsolvers has installed, for searches.
+        stop: When a robot's region is good enough.
         rows_per_robot: How many rows on one robot survive pruning, from 4 on.
         rows_per_pair: How many rows on one pair survive pruning, from 4 on.
 
@@ -48,13 +49,13 @@ class SetMembershipFilter:
     """
 
     team: Team
-    solver: str = "piqp"
+    solver: str = EXACT
     stop: Stop = field(default_factory=Stop)
     rows_per_robot: int = 12
     rows_per_pair: int = 8
 
     def __post_init__(self) -> None:
-        check_solver(self.solver)
+        check_solver(self.solver, [EXACT])
         whole("rows_per_robot", self.rows_per_robot, low=4)
         whole("rows_per_pair", self.rows_per_pair, low=4)
 
@@ -85,7 +86,7 @@ class SetMembershipFilter:
             Constraints.on_robot(k, polygon.normals, polygon.offsets, np.full(len(polygon.offsets), numbers[k]))
             for k, polygon in enumerate(positions)
         ]
-        polytope = Polytope(Constraints.concatenate(rows), lower, upper)
+        polytope = Polytope(Constraints.concatenate(rows), lower, upper, numbers)
         return Belief.compact(float(time), polytope, known, regions_at_a_glance(polytope), sources)
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
@@ -108,7 +109,7 @@ class SetMembershipFilter:
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
         lower, upper = self._moved_box(belief, time, moves)
-        polytope = Polytope(moves.moved(belief.constraints), lower, upper)
+        polytope = Polytope(moves.moved(belief.constraints), lower, upper, belief.polytope.origin)
         return Belief.compact(time, polytope, headings, regions_at_a_glance(polytope), belief.sources)
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:

@@ -5,6 +5,7 @@ Their answers are candidates that `LinearProgram` judges. The only module that i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,13 +14,11 @@ import piqp
 import qpsolvers
 from scipy import sparse
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array
 from filter.errors import InvalidInput
 from filter.lp import LinearProgram
-from filter.polygon import EPSILON
+from filter.scaling import ScaledProgram
 
-# A coordinate narrower than this share of itself is anchored, to rounding: it is held at its middle.
-NARROW = 64 * EPSILON
 # A row that the box implies with this much to spare, relative to the box, cannot hold a point back.
 CLEARLY = 1e-3
 # PIQP needs 8 to 15 iterations; where it needs many more the polytope is all but flat, and more of them gain nothing.
@@ -51,10 +50,11 @@ def workspace(program: LinearProgram, solver: str) -> Workspace:
     return _Piqp(program) if solver == "piqp" else _Qpsolvers(program, solver)
 
 
-def check_solver(solver: str) -> None:
-    """Raise `InvalidInput`, with the list of those installed, unless there is such a solver."""
-    if solver not in qpsolvers.available_solvers:
-        raise InvalidInput(f"a solver among {', '.join(sorted(qpsolvers.available_solvers))}", repr(solver))
+def check_solver(solver: str, others: Sequence[str] = ()) -> None:
+    """Raise `InvalidInput`, with the list of those there are, unless the solver is installed or among the others."""
+    known = [*others, *sorted(qpsolvers.available_solvers)]
+    if solver not in known:
+        raise InvalidInput(f"a solver among {', '.join(known)}", repr(solver))
 
 
 def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
@@ -78,56 +78,18 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
     return Candidate(found.point[:-1], multipliers)
 
 
-@dataclass(frozen=True, eq=False)
-class _Scaled:
-    """The program as solvers like it: maximise c . z over G z <= h, |z| <= 1.
-
-    Every coordinate is moved to the middle of its box and measured in its radius; anchored coordinates and rows that
-    the box implies are left out; the coefficients of each row that is left add up to 1. So a solver's tolerance is
-    relative to what is known already, however small that is.
-    """
-
-    program: LinearProgram
-    free: Integers
-    live: Integers
-    size: Array
-    G: sparse.csc_matrix
-    h: Array
-
-    @classmethod
-    def of(cls, program: LinearProgram) -> _Scaled:
-        A, radius = program.A, program.radius
-        row = np.repeat(np.arange(len(program.b)), np.diff(A.indptr))
-        value = A.data * radius[A.indices]
-        size = np.bincount(row, np.abs(value), minlength=len(program.b)).astype(float)
-        is_free, is_live = radius > NARROW * np.abs(program.centre), (program.slack < size) & (size > 0)
-        free, live = np.flatnonzero(is_free), np.flatnonzero(is_live)
-        kept = is_free[A.indices] & is_live[row]
-        place = np.searchsorted(live, row[kept]), np.searchsorted(free, A.indices[kept])
-        G = sparse.csc_matrix((value[kept] / size[row[kept]], place), shape=(len(live), len(free)))
-        return cls(program, free, live, size[live], G, program.slack[live] / size[live])
-
-    def objective(self, objective: Array) -> tuple[Array, float]:
-        """Return c with its greatest entry at 1, and what it was divided by."""
-        c = objective[self.free] * self.program.radius[self.free]
-        scale = float(np.abs(c).max(initial=0)) or 1.0
-        return c / scale, scale
-
-    def candidate(self, z: Array, multipliers: Array, scale: float) -> Candidate | None:
-        """Return the solver's answer in the program's own units, or None when it is no number."""
-        if not np.isfinite(z).all():
-            return None
-        point, rows = self.program.centre.copy(), np.zeros(len(self.program.b))
-        point[self.free] += self.program.radius[self.free] * z
-        rows[self.live] = np.maximum(multipliers, 0) * scale / self.size
-        return Candidate(point, rows)
+def _candidate(scaled: ScaledProgram, z: Array, multipliers: Array, scale: float) -> Candidate | None:
+    """Return the solver's answer in the program's own units, or None when it is no number."""
+    if not np.isfinite(z).all():
+        return None
+    return Candidate(scaled.points(z[None])[0], scaled.multipliers(multipliers[None], np.array([scale]))[0])
 
 
 class _Piqp:
     """PIQP, set up once; a new direction only changes the cost."""
 
     def __init__(self, program: LinearProgram) -> None:
-        self._scaled = scaled = _Scaled.of(program)
+        self._scaled = scaled = ScaledProgram.of(program)
         self._solver = piqp.SparseSolver()
         self._solver.settings.max_iter = MAX_ITERATIONS
         count = len(scaled.free)
@@ -139,25 +101,25 @@ class _Piqp:
         scaled = self._scaled
         c, scale = scaled.objective(objective)
         if not len(c):
-            return scaled.candidate(c, np.zeros(len(scaled.h)), scale)
+            return _candidate(scaled, c, np.zeros(len(scaled.h)), scale)
         self._solver.update(c=-c)
         if self._solver.solve() not in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
             return None
-        return scaled.candidate(self._solver.result.x, self._solver.result.z_u, scale)
+        return _candidate(scaled, self._solver.result.x, self._solver.result.z_u, scale)
 
 
 class _Qpsolvers:
     """Any solver that qpsolvers knows; a new one each time."""
 
     def __init__(self, program: LinearProgram, solver: str) -> None:
-        self._scaled = _Scaled.of(program)
+        self._scaled = ScaledProgram.of(program)
         self._solver = solver
 
     def maximize(self, objective: Array) -> Candidate | None:
         scaled = self._scaled
         c, scale = scaled.objective(objective)
         if not len(c):
-            return scaled.candidate(c, np.zeros(len(scaled.h)), scale)
+            return _candidate(scaled, c, np.zeros(len(scaled.h)), scale)
         nothing, ones = sparse.csc_matrix((len(c), len(c))), np.ones(len(c))
         problem = qpsolvers.Problem(nothing, -c, scaled.G, scaled.h, lb=-ones, ub=ones)
         try:
@@ -166,4 +128,4 @@ class _Qpsolvers:
             return None
         if not solution.found or solution.x is None or solution.z is None:
             return None
-        return scaled.candidate(solution.x, np.asarray(solution.z, dtype=float), scale)
+        return _candidate(scaled, solution.x, np.asarray(solution.z, dtype=float), scale)

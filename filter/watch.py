@@ -10,7 +10,8 @@ from scipy.stats import chi2
 from filter.arrays import Array, Floats, finite, read_only
 from filter.belief import Belief, Source
 from filter.errors import InvalidInput
-from filter.polygon import EPSILON, Polygon
+from filter.plane import EPSILON
+from filter.polygon import Polygon
 
 # Edges whose normals are within this of the separating line's direction carry it alone [rad].
 PARALLEL = 1e-6

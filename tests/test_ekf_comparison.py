@@ -20,7 +20,7 @@ from experiments.comparison_metrics import (
     neighbours,
     normalised_squares,
     outside,
-    relative_region,
+    relative_regions,
 )
 from experiments.comparison_recording import Episodes
 from experiments.comparison_table import kept_every_truth, summary_of, write_csv
@@ -297,8 +297,8 @@ def test_a_relative_region_contains_the_truth_and_says_more_than_two_regions_whe
             belief = followed.predict(belief, frame.time, frame.odometry)
         belief = followed.update(belief, frame.measurements)
     ratios = []
-    for i, j in neighbours(3):
-        outer = relative_region(belief, i, j, followed)
+    pairs = neighbours(3)
+    for (i, j), outer in zip(pairs, relative_regions(belief, pairs, followed), strict=True):
         assert outer.contains(frame.truth.positions[i] - frame.truth.positions[j])
         far = belief.regions[i].outer.vertices[:, None] - belief.regions[j].outer.vertices
         ratios.append(outer.area / Polygon.hull(far.reshape(-1, 2)).area)

@@ -53,16 +53,17 @@ def test_both_solvers_give_the_same_regions(seed):
             assert mine.inner.area == pytest.approx(theirs.inner.area, abs=1e-4)
 
 
+@pytest.mark.parametrize("solver", ["exact", "piqp"])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_regions_supports_are_those_of_the_merged_polytope(seed, monkeypatch):
+def test_a_regions_supports_are_those_of_the_merged_polytope(seed, solver, monkeypatch):
     """The program is caught on its way to the solver; HiGHS says how far each robot can be."""
     from filter import regions
 
     caught = []
-    original = regions.deepest_point
-    monkeypatch.setattr(regions, "deepest_point", lambda program, solver: caught.append(program) or original(program, solver))
+    original = regions.project_all
+    monkeypatch.setattr(regions, "project_all", lambda program, *rest: caught.append(program) or original(program, *rest))
     world = World(np.random.default_rng(seed), robots=3)
-    estimator = SetMembershipFilter(world.team, stop=TIGHT)
+    estimator = SetMembershipFilter(world.team, solver, stop=TIGHT)
     belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
     (program,) = caught
     box = np.stack([program.lower, program.upper], axis=1)

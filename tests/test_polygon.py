@@ -11,7 +11,8 @@ from worlds import exact_slack, offset_through, outside_hull, unit
 
 from filter.angles import wrap
 from filter.errors import InvalidInput
-from filter.polygon import Polygon, area_of, clip, convex_hull, spans_of
+from filter.plane import area_of, hull_of
+from filter.polygon import Polygon, clip, spans_of
 
 # Areas and lengths of two ways to compute a polygon differ by no more than this [m, m2].
 SAME = 1e-9
@@ -313,8 +314,8 @@ def test_polygons_that_touch_have_the_touching_point_in_common():
 
 def test_area_and_hull_of_next_to_nothing():
     assert area_of(np.array([[1.0, 2.0]])) == 0
-    assert convex_hull(np.array([[1.0, 2.0], [1.0, 2.0]])).tolist() == [[1.0, 2.0]]
-    assert len(convex_hull(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]]))) == 3
+    assert hull_of(np.array([[1.0, 2.0], [1.0, 2.0]])).tolist() == [[1.0, 2.0]]
+    assert len(hull_of(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]]))) == 3
 
 
 def test_a_polygon_cannot_be_changed():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from worlds import World, escapes
 
-from filter import regions as searching
+from filter import projector
 from filter.belief import Sources
 from filter.constraints import Constraints
 from filter.errors import Inconsistent
@@ -84,10 +84,10 @@ def test_a_filter_whose_solver_fails_still_contains_the_truth(monkeypatch, kind)
         noise = Candidate(program.centre + rng.normal(size=variables), rng.exponential(3, rows))
         return Silent({"gives up": None, "noise": noise, "zero": Candidate(program.centre, np.zeros(rows))}[kind])
 
-    monkeypatch.setattr(searching, "workspace", work)
-    monkeypatch.setattr(searching, "deepest_point", lambda program, _: work(program, _).answer)
+    monkeypatch.setattr(projector, "workspace", work)
+    monkeypatch.setattr(projector, "deepest_point", lambda program, _: work(program, _).answer)
     world = World(rng, robots=3)
-    estimator = SetMembershipFilter(world.team)
+    estimator = SetMembershipFilter(world.team, "piqp")
     belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
     for motion, records in world.steps(4):
         belief = estimator.update(estimator.predict(belief, motion.time, motion), records)

@@ -1,0 +1,160 @@
+"""The exact projection onto a plane, by turning the direction: the shadow-vertex method (Gass and Saaty, 1955).
+
+As the direction turns, the vertex that is farthest in it changes only when one of its prices reaches zero; then the walk
+goes along one edge, whose shadow is an edge of the projection. So each edge of the projection costs one exchange of the
+simplex method, where the paper thinks the exact projection out of reach (section 7). What is found are candidates
+for `LinearProgram` to certify.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from filter.arrays import Array, Integers
+from filter.simplex import (
+    FOUND,
+    LOST,
+    MENDED_AFTER,
+    PARALLEL,
+    Basis,
+    Rows,
+    combination,
+    exchange,
+    mend,
+    slack_rates,
+    walk,
+)
+
+# An edge whose shadow is shorter than this share of the plane's unit has none.
+NO_SHADOW = 1e-11
+
+
+class Trace(NamedTuple):
+    """What a turn has seen: one entry for each edge of the shadow, and for directions between edges far apart.
+
+    Attributes:
+        normal: (t, 2) outward, of length 1.
+        prices: (t, v) the weights of the rows `basic` whose combination is the normal.
+        basic: (t, v) rows.
+        point: (t, v) the vertex where the edge ends.
+        filled: (1,) how many entries are filled.
+    """
+
+    normal: Array
+    prices: Array
+    basic: Integers
+    point: Array
+    filled: Integers
+
+
+@njit(cache=True)
+def no_trace(length: int, variables: int) -> Trace:
+    """Return a trace with room for so many entries."""
+    return Trace(
+        np.empty((length, 2)),
+        np.empty((length, variables)),
+        np.empty((length, variables), dtype=np.int64),
+        np.empty((length, variables)),
+        np.zeros(1, dtype=np.int64),
+    )
+
+
+@njit(cache=True)
+def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, trace: Trace, limit: int) -> int:
+    """Turn the objective from `first` towards `second`, through an angle, keeping the basis optimal; return how it ended.
+
+    Args:
+        rows: The program.
+        basis: Optimal for `first`; changed.
+        first: (v,) an objective.
+        second: (v,) another one.
+        angle: How far to turn in their plane; pi / 2 ends at `second` [rad].
+        trace: Filled as far as it has room; with none, LOST only means that the walk is.
+        limit: The greatest number of exchanges.
+    """
+    across, up = first @ basis.inverse, second @ basis.inverse  # prices for the plane's two axes
+    weights, rates = np.empty(len(first)), np.empty(len(rows.offset))
+    x, y, turned = 1.0, 0.0, 0.0
+    _keep(trace, basis, across, up, x, y)
+    for count in range(limit):
+        k = _next_to_leave(across, up, x, y)
+        left = angle - turned
+        until = left if k < 0 else np.arctan2(max(0.0, x * across[k] + y * up[k]), y * across[k] - x * up[k])
+        _keep_between(trace, basis, across, up, x, y, min(until, left))
+        if until >= left:
+            return FOUND
+        turned += until
+        length = np.hypot(across[k], up[k])
+        x, y = -up[k] / length, across[k] / length
+        slack_rates(rows, basis, k, rates)
+        entering = _first_to_block(basis, rates)
+        if entering < 0:
+            return LOST
+        combination(rows, basis, entering, weights)
+        walk(basis, k, max(0.0, basis.slack[entering]) / rates[entering], rates)
+        exchange(basis, k, entering, weights)
+        _exchange_prices(across, k, weights)
+        _exchange_prices(up, k, weights)
+        if count % MENDED_AFTER == MENDED_AFTER - 1:
+            mend(rows, basis)
+            across[:], up[:] = first @ basis.inverse, second @ basis.inverse
+        _keep(trace, basis, across, up, x, y)
+    return LOST
+
+
+@njit(cache=True)
+def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
+    """Return which price is the first to reach zero as the direction turns on; negative when none ever does."""
+    chosen, best_rate, best_price = -1, 0.0, 1.0
+    for k in range(len(across)):
+        if abs(across[k]) + abs(up[k]) > NO_SHADOW:
+            price = max(x * across[k] + y * up[k], 1e-290)
+            rate = y * across[k] - x * up[k]  # how fast it falls
+            if chosen < 0 or rate * best_price > best_rate * price:
+                chosen, best_rate, best_price = k, rate, price
+    return chosen
+
+
+@njit(cache=True)
+def _first_to_block(basis: Basis, rates: Array) -> int:
+    """Return the row that is met first; of rows met at the same place, the steepest. Negative when there is none."""
+    chosen = -1
+    for i in range(len(rates)):
+        if rates[i] > PARALLEL and not basis.is_basic[i]:
+            if chosen < 0:
+                chosen = i
+                continue
+            difference = max(0.0, basis.slack[i]) * rates[chosen] - max(0.0, basis.slack[chosen]) * rates[i]
+            if difference < 0 or (difference == 0 and rates[i] > rates[chosen]):
+                chosen = i
+    return chosen
+
+
+@njit(cache=True)
+def _exchange_prices(prices: Array, k: int, weights: Array) -> None:
+    share = prices[k] / weights[k]
+    prices -= share * weights
+    prices[k] = share
+
+
+@njit(cache=True)
+def _keep(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: float) -> None:
+    at = trace.filled[0]
+    if at < len(trace.normal):
+        trace.normal[at, 0], trace.normal[at, 1] = x, y
+        trace.prices[at] = x * across + y * up
+        trace.basic[at] = basis.basic
+        trace.point[at] = basis.point
+        trace.filled[0] = at + 1
+
+
+@njit(cache=True)
+def _keep_between(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: float, until: float) -> None:
+    """Keep directions between two edges, so that no two neighbours are more than a right angle apart."""
+    pieces = int(np.ceil(until / (np.pi / 2) - 1e-9))
+    for piece in range(1, pieces):
+        cosine, sine = np.cos(until * piece / pieces), np.sin(until * piece / pieces)
+        _keep(trace, basis, across, up, x * cosine - y * sine, x * sine + y * cosine)

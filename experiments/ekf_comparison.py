@@ -13,10 +13,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import tyro
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from experiments.command import command
 from experiments.comparison import SERIES, Case, compare
 from experiments.comparison_metrics import DIMENSION
 from experiments.comparison_recording import record
@@ -30,7 +30,6 @@ from experiments.output import output_folder, write_summary
 from experiments.terminal import print_table, tell
 from experiments.tuning import CONSERVATIVE, TUNED
 from filter.arrays import whole
-from filter.errors import CorralError
 from sim.errors import ERROR_KINDS
 
 RECORDED = "bias"  # the kind whose first run is recorded
@@ -64,17 +63,7 @@ class Options:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the experiment with command-line arguments; return the exit code."""
-    options = tyro.cli(
-        Options, prog="python -m experiments.ekf_comparison", args=arguments, config=(tyro.conf.FlagCreatePairsOff,)
-    )
-    try:
-        return run(options)
-    except CorralError as error:
-        tell(f"error: {error}")
-        return 2
-    except KeyboardInterrupt:
-        tell("stopped; --resume goes on from the runs that are finished")
-        return 130
+    return command("ekf_comparison", Options, run, arguments, stopped="--resume goes on from the runs that are finished")
 
 
 def run(options: Options) -> int:

@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-import tyro
-
+from experiments.command import command
 from experiments.log import LogWriter
 from experiments.metrics import Escapes, Metrics, Value
 from experiments.output import Trajectories, output_folder, write_summary
@@ -21,7 +20,7 @@ from experiments.run import Contacts, Step, steps
 from experiments.scenarios import Scenario, from_log, from_simulator
 from experiments.terminal import StepProgress, print_table, tell
 from experiments.viewer import open_viewer
-from filter.errors import CorralError, Inconsistent, InvalidInput
+from filter.errors import Inconsistent, InvalidInput
 from filter.projector import EXACT
 from filter.set_membership import SetMembershipFilter
 from sim.episode import MeasurementChoice, episode
@@ -66,17 +65,13 @@ class Options:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the experiment with command-line arguments; return the exit code."""
-    options = tyro.cli(
-        Options, prog="python -m experiments.moving_team", args=arguments, config=(tyro.conf.FlagCreatePairsOff,)
+    return command(
+        "moving_team",
+        Options,
+        run,
+        arguments,
+        stopped="the log, the recording and the trajectories end here, there is no summary",
     )
-    try:
-        return run(options)
-    except CorralError as error:
-        tell(f"error: {error}")
-        return 2
-    except KeyboardInterrupt:
-        tell("stopped; the log, the recording and the trajectories end here, there is no summary")
-        return 130
 
 
 def run(options: Options) -> int:

@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import tyro
 from rich.console import Console
 from rich.table import Table
 
+from experiments.command import command
 from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.run import Step, steps
 from experiments.scenarios import from_log
-from experiments.terminal import StepProgress, print_table, tell
+from experiments.terminal import StepProgress, print_table
 from experiments.tum import Trajectory, find_trajectories, read_trajectory
 from filter.arrays import Array, finite
-from filter.errors import CorralError, InvalidInput
+from filter.errors import InvalidInput
 from filter.set_membership import SetMembershipFilter
 from filter.watch import Alarm, watch
 
@@ -91,15 +91,7 @@ class Stretches:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the monitor with command-line arguments; return the exit code."""
-    options = tyro.cli(Options, prog="python -m experiments.watch", args=arguments, config=(tyro.conf.FlagCreatePairsOff,))
-    try:
-        return run(options)
-    except CorralError as error:
-        tell(f"error: {error}")
-        return 2
-    except KeyboardInterrupt:
-        tell("stopped; what was not looked at may be wrong")
-        return 130
+    return command("watch", Options, run, arguments, stopped="what was not looked at may be wrong")
 
 
 def run(options: Options) -> int:

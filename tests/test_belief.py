@@ -46,7 +46,9 @@ def test_a_belief_cannot_be_changed(believed):
 
 def test_the_table_holds_only_what_rows_and_edges_name(believed):
     for belief in believed:
-        named = [belief.constraints.source, belief.polytope.origin] + [cause for region in belief.regions for cause in region.causes]
+        named = [belief.constraints.source, belief.polytope.origin] + [
+            cause for region in belief.regions for cause in region.causes
+        ]
         assert np.unique(np.concatenate(named)).tolist() == list(range(len(belief.sources)))
 
 

@@ -23,6 +23,7 @@ from filter.simplex import (
     Rows,
     combination,
     exchange,
+    exchange_prices,
     mend,
     slack_rates,
     walk,
@@ -50,7 +51,7 @@ class Trace(NamedTuple):
     filled: Integers
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def no_trace(length: int, variables: int) -> Trace:
     """Return a trace with room for so many entries."""
     return Trace(
@@ -62,7 +63,7 @@ def no_trace(length: int, variables: int) -> Trace:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, trace: Trace, limit: int) -> int:
     """Turn the objective from `first` towards `second`, through an angle, keeping the basis optimal; return how it ended.
 
@@ -96,8 +97,8 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
         combination(rows, basis, entering, weights)
         walk(basis, k, max(0.0, basis.slack[entering]) / rates[entering], rates)
         exchange(basis, k, entering, weights)
-        _exchange_prices(across, k, weights)
-        _exchange_prices(up, k, weights)
+        exchange_prices(across, k, weights)
+        exchange_prices(up, k, weights)
         if count % MENDED_AFTER == MENDED_AFTER - 1:
             mend(rows, basis)
             across[:], up[:] = first @ basis.inverse, second @ basis.inverse
@@ -105,7 +106,7 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
     return LOST
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
     """Return which price is the first to reach zero as the direction turns on; negative when none ever does."""
     chosen, best_rate, best_price = -1, 0.0, 1.0
@@ -118,7 +119,7 @@ def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
     return chosen
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _first_to_block(basis: Basis, rates: Array) -> int:
     """Return the row that is met first; of rows met at the same place, the steepest. Negative when there is none."""
     chosen = -1
@@ -133,14 +134,7 @@ def _first_to_block(basis: Basis, rates: Array) -> int:
     return chosen
 
 
-@njit(cache=True)
-def _exchange_prices(prices: Array, k: int, weights: Array) -> None:
-    share = prices[k] / weights[k]
-    prices -= share * weights
-    prices[k] = share
-
-
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _keep(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: float) -> None:
     at = trace.filled[0]
     if at < len(trace.normal):
@@ -151,7 +145,7 @@ def _keep(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: flo
         trace.filled[0] = at + 1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _keep_between(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: float, until: float) -> None:
     """Keep directions between two edges, so that no two neighbours are more than a right angle apart."""
     pieces = int(np.ceil(until / (np.pi / 2) - 1e-9))

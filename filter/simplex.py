@@ -57,7 +57,7 @@ class Basis(NamedTuple):
     slack: Array
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def corner(rows: Rows, objective: Array) -> Basis:
     """Return the corner of the box that is farthest in a direction; it need not satisfy the other rows."""
     variables = len(objective)
@@ -74,7 +74,7 @@ def corner(rows: Rows, objective: Array) -> Basis:
     return basis
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def locate(rows: Rows, basis: Basis) -> None:
     """Compute the point and the slacks afresh."""
     variables = len(basis.basic)
@@ -88,7 +88,7 @@ def locate(rows: Rows, basis: Basis) -> None:
         basis.slack[basis.basic[k]] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def along(rows: Rows, i: int, vector: Array) -> float:
     """Return row i times a vector."""
     total = 0.0
@@ -97,24 +97,27 @@ def along(rows: Rows, i: int, vector: Array) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def combination(rows: Rows, basis: Basis, i: int, weights: Array) -> None:
     """Write row i as a combination of the basic rows."""
     weights[:] = 0.0
     for q in range(4):
-        if rows.value[i, q] != 0.0:
-            weights += rows.value[i, q] * basis.inverse[rows.column[i, q]]
+        value, j = rows.value[i, q], rows.column[i, q]
+        if value != 0.0:
+            for k in range(len(weights)):
+                weights[k] += value * basis.inverse[j, k]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def walk(basis: Basis, k: int, step: float, rates: Array) -> None:
     """Leave row k along its edge, a step far, on which the slacks shrink at the given rates."""
     for j in range(len(basis.point)):
         basis.point[j] -= step * basis.inverse[j, k]
-    basis.slack[:] -= step * rates
+    for i in range(len(rates)):
+        basis.slack[i] -= step * rates[i]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
     """Write how fast each slack shrinks along the edge on which row k is left."""
     edge = -basis.inverse[:, k]
@@ -122,13 +125,14 @@ def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
         rates[i] = along(rows, i, edge)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
     """Put a row, written as a combination of the basic ones, in the place of the k-th of them."""
     for j in range(len(basis.basic)):
         share = basis.inverse[j, k] / weights[k]
         if share != 0.0:
-            basis.inverse[j] -= share * weights
+            for m in range(len(weights)):
+                basis.inverse[j, m] -= share * weights[m]
             basis.inverse[j, k] = share
     basis.is_basic[basis.basic[k]] = False
     basis.is_basic[entering] = True
@@ -136,7 +140,16 @@ def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
     basis.slack[entering] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
+def exchange_prices(prices: Array, k: int, weights: Array) -> None:
+    """Change the weights of the basic rows in an objective accordingly."""
+    share = prices[k] / weights[k]
+    for m in range(len(weights)):
+        prices[m] -= share * weights[m]
+    prices[k] = share
+
+
+@njit(cache=True, nogil=True)
 def mend(rows: Rows, basis: Basis) -> None:
     """Take the rounding of many exchanges out of the inverse, by a step of Newton's method (Schulz, 1933), and of the point."""
     variables = len(basis.basic)
@@ -149,12 +162,13 @@ def mend(rows: Rows, basis: Basis) -> None:
         error[:] = 0.0
         for k in range(variables):
             if basis.inverse[j, k] != 0.0:
-                error += basis.inverse[j, k] * product[k]
+                for m in range(variables):
+                    error[m] += basis.inverse[j, k] * product[k, m]
         basis.inverse[j] -= error
     locate(rows, basis)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tuple[int, int]:
     """Walk, by the dual simplex method, from a basis with prices >= 0 to one whose vertex satisfies every row.
 
@@ -175,10 +189,8 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
                 k = candidate
         if k < 0:
             return EMPTY, entering
-        price = prices[k] / weights[k]
-        prices -= price * weights
+        exchange_prices(prices, k, weights)
         np.maximum(prices, 0.0, prices)
-        prices[k] = price
         slack_rates(rows, basis, k, rates)
         walk(basis, k, -basis.slack[entering] / weights[k], rates)
         exchange(basis, k, entering, weights)

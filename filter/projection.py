@@ -7,6 +7,7 @@ triangle, and the largest triangle is searched next.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
@@ -14,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from filter.arrays import Array, Integers, number, read_only, whole
+from filter.errors import InvalidInput
 from filter.lp import LinearProgram
 from filter.polygon import EPSILON, Polygon, clip
 from filter.solvers import Workspace
@@ -21,7 +23,7 @@ from filter.solvers import Workspace
 HalfPlanes = tuple[Array, Array]  # normals (k, 2) and offsets (k,)
 NOTHING: HalfPlanes = (np.zeros((0, 2)), np.zeros(0))
 
-Reason = Literal["performance ratio", "area gap", "searches", "exact", "solver"]
+Reason = Literal["performance ratio", "area gap", "searches", "time", "exact", "solver"]
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
 NEGLIGIBLE = 1e-12
@@ -37,27 +39,42 @@ class Stop:
         performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
         area_gap: Outer area less inner area (eq. 6) [m2], from 0 on.
         searches: Number of searches, from 4 on.
+        seconds: Time since the search began, from 0 on, or None for no limit [s]; it is looked at from the fourth search
+            on. With a limit, results depend on the machine.
+        clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
 
     Raises:
-        InvalidInput: A number is not finite or out of its range.
+        InvalidInput: A number is not finite or out of its range, or there is a time limit without a clock.
     """
 
     performance_ratio: float = 0.95
     area_gap: float = 0.0
     searches: int = 16
+    seconds: float | None = None
+    clock: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
         number("performance ratio", self.performance_ratio, 0, 1)
         number("area gap [m2]", self.area_gap, 0)
         whole("searches", self.searches, low=4)
+        if self.seconds is not None:
+            number("time limit [s]", self.seconds, 0)
+            if self.clock is None:
+                raise InvalidInput("a clock to hold a time limit against", f"{self.seconds} s without one")
 
-    def reason(self, inner_area: float, gap: float, searches: int) -> Reason | None:
-        """Return why to end here, or None to go on."""
+    def now(self) -> float:
+        """Return the clock's time [s]; always 0 when there is no time limit."""
+        return 0.0 if self.seconds is None or self.clock is None else self.clock()
+
+    def reason(self, inner_area: float, gap: float, searches: int, began: float = 0.0) -> Reason | None:
+        """Return why to end a search that began at a time of `now` [s], or None to go on."""
         if inner_area >= self.performance_ratio * (inner_area + gap):
             return "performance ratio"
         if gap <= self.area_gap:
             return "area gap"
-        return "searches" if searches >= self.searches else None
+        if searches >= self.searches:
+            return "searches"
+        return "time" if self.seconds is not None and self.now() - began >= self.seconds else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,13 +222,14 @@ class _Search:
     reason: Reason = "solver"
 
     def run(self) -> None:
+        began = self.stop.now()
         if not self._begin():
             return
         while True:
             supports = self.supports
             inner_area, gap = self._inner_area(), sum(support.triangle for support in supports)
             self._record(inner_area, inner_area + gap)
-            reason = self.stop.reason(inner_area, gap, len(self.directions))
+            reason = self.stop.reason(inner_area, gap, len(self.directions), began)
             k = max(range(len(supports)), key=lambda k: supports[k].triangle)
             if reason or supports[k].triangle <= NEGLIGIBLE * (inner_area + gap):
                 self.reason = reason or "exact"

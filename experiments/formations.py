@@ -122,8 +122,10 @@ class Formation:
 
 def records(bearings: Bearing) -> tuple[Bearing, ...]:
     """Return a record of its own for each of (k) bearings."""
-    columns = (bearings.robot, bearings.target, bearings.bearing, bearings.bound)
-    return tuple(Bearing(bearings.time, *(column[k : k + 1] for column in columns)) for k in range(len(bearings.robot)))
+    one = [slice(k, k + 1) for k in range(len(bearings.robot))]
+    return tuple(
+        Bearing(bearings.time, bearings.robot[k], bearings.target[k], bearings.bearing[k], bearings.bound[k]) for k in one
+    )
 
 
 def draw_formation(generator: np.random.Generator, robots: int, bounds: Floats) -> Formation:

@@ -101,7 +101,9 @@ def spread_over_orders(case: StaticCase, orders: int, generator: np.random.Gener
     team = Team(len(case.positions), speed_limit=0.0, turn_rate_limit=0.0)
     sets, kalman = SetMembershipFilter(team), ExtendedKalmanFilter(team)
     prior, guess = sets.start(0.0, case.initial, case.headings), kalman.start(0.0, case.initial, case.headings)
-    free = [robot for robot, polygon in enumerate(case.initial) if np.ptp(polygon.vertices, axis=0).any()]  # not anchored at a point
+    free = [
+        robot for robot, polygon in enumerate(case.initial) if np.ptp(polygon.vertices, axis=0).any()
+    ]  # not anchored at a point
     wide = [robot for robot in free if case.initial[robot].area > 0]
     areas, contains, means, deviations = [], True, [], []
     for bearings in _shuffled(case.bearings, orders, generator):

@@ -27,7 +27,7 @@ CLEARLY = 1e-3
 MAX_ITERATIONS = 60
 # The simplex method goes on from the vertex of the direction before; a point of its own is as exact as HiGHS can make it.
 SIMPLEX = "highs-simplex"
-SIMPLEX_OPTIONS = {
+SIMPLEX_OPTIONS: dict[str, str | int | float] = {
     "solver": "simplex",
     "simplex_strategy": 4,  # primal: the last vertex stays feasible when the direction changes
     "presolve": "off",
@@ -75,7 +75,9 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
 
     With a negative t the multipliers are a candidate for the proof that the polytope is empty.
     """
-    live = np.flatnonzero(program.slack < (1 + CLEARLY) * (abs(program.A) @ program.radius))
+    size = abs(program.A) @ program.radius
+    # A row on anchored coordinates alone keeps no point at a distance; it matters where it cannot be satisfied.
+    live = np.flatnonzero((program.slack < (1 + CLEARLY) * size) & ((size > 0) | (program.slack < 0)))
     depth = float(np.abs(program.slack).max(initial=0) + 4 * program.radius.max(initial=0))
     deepened = LinearProgram(
         sparse.csr_array(sparse.hstack([program.A[live], np.ones((len(live), 1))])),
@@ -164,7 +166,7 @@ class _Simplex:
 
     def __init__(self, program: LinearProgram) -> None:
         self._scaled = scaled = _Scaled.of(program)
-        self._solver = highspy.Highs()
+        self._solver = highspy.Highs()  # type: ignore[no-untyped-call]
         self._solver.silent()
         for name, value in SIMPLEX_OPTIONS.items():
             self._solver.setOptionValue(name, value)

@@ -16,7 +16,7 @@ import numpy as np
 
 from experiments.merge_orders import StaticCase, places
 from filter.angles import AngularIntervals, wrap
-from filter.arrays import Array, Floats, finite, read_only, whole
+from filter.arrays import Array, Floats, Integers, finite, read_only, whole
 from filter.errors import InvalidInput, Unbounded
 from filter.lp import LinearProgram
 from filter.measurements import Bearing
@@ -31,7 +31,8 @@ SPACING = 2.0  # a formation's square has room for one robot in each square of t
 APART = 1.0  # least distance between two robots [m]
 SIGHT = 1.6 * SPACING  # robots that are nearer see one another [m]
 INSIDE = 1 - 1e-9  # errors keep their bounds when floats are rounded
-DRAWS = 10_000  # of formations, before drawing is given up
+LEAST_BOUND = 1e-6  # of a bearing [rad]
+DRAWS = 1000  # of formations, before drawing is given up
 NOWHERE = np.zeros((0, 2))  # no landmark
 
 
@@ -63,7 +64,12 @@ class Formation:
         return sorted(self.bearings.target[self.bearings.robot == robot].tolist())
 
     def seen_from(self, robot: int) -> Formation:
-        """Return the same formation with the origin at one robot; what was measured is the same."""
+        """Return the same formation with the origin at one robot; what was measured is the same.
+
+        Raises:
+            InvalidInput: There is no such robot.
+        """
+        self._check([robot])
         return Formation(self.positions - self.positions[robot], self.headings, self.bearings, self.redrawn)
 
     def scale(self, reference: int) -> tuple[int, int]:
@@ -81,15 +87,19 @@ class Formation:
         Raises:
             InvalidInput: There is no such robot, or it sees none that could fix the scale.
         """
-        robots = whole("reference", list(references))
-        if (robots >= len(self)).any():
-            raise InvalidInput(f"references among robots 0 to {len(self) - 1}", robots.tolist())
+        robots = self._check(references)
         anchors = np.full((len(self), 2), np.nan)
         anchors[robots] = self.positions[robots]
         if scaled and len(robots) == 1:
             place = self.scale(int(robots[0]))
             anchors[place] = self.positions[place]
         return anchors
+
+    def _check(self, references: Sequence[int]) -> Integers:
+        robots = whole("reference", np.array(references, dtype=np.int64))
+        if (robots >= len(self)).any():
+            raise InvalidInput(f"references among robots 0 to {len(self) - 1}", f"{robots.tolist()}")
+        return robots
 
     @cached_property
     def arcs(self) -> AngularIntervals:
@@ -134,13 +144,13 @@ def draw_formation(generator: np.random.Generator, robots: int, bounds: Floats) 
     Args:
         generator: Where all randomness comes from.
         robots: How many, from 3 on.
-        bounds: Bound of each robot's bearings [rad]; repeated over the robots when there are fewer.
+        bounds: Bound of each robot's bearings, in [1e-6, pi/2) [rad]; repeated over the robots when there are fewer.
 
     Raises:
         InvalidInput: A number is out of its range, or almost no formation of this kind is bounded.
     """
     whole("number of robots", robots, low=3)
-    several = np.atleast_1d(finite("bearing bound [rad]", bounds, 0, np.nextafter(np.pi / 2, 0)))
+    several = np.atleast_1d(finite("bearing bound [rad]", bounds, LEAST_BOUND, np.nextafter(np.pi / 2, 0)))
     if several.ndim != 1 or not len(several):
         raise InvalidInput("at least one bearing bound", bounds)
     each = np.resize(several, robots)

@@ -21,8 +21,8 @@ from filter.solvers import SIMPLEX, Candidate
 FIRST, LAST = 4, 30
 SEARCHES = np.arange(FIRST, LAST + 1)
 TRACED = Stop(performance_ratio=1.0, searches=LAST)
-# Vertices come back with some 1e-10 of rounding from the simplex method. So a polygon is exact when it lacks no
-# more than this share of its area, and a corner that cuts off less is none.
+# Vertices come back from the simplex method with some 1e-10 of a region's size of rounding. So a polygon is exact when it lacks
+# no more than this share of its area, and a corner that is flatter than this share of its size is none.
 ROUNDING = 1e-9
 TO_THE_END = Stop(performance_ratio=1 - ROUNDING, searches=2000)
 
@@ -98,12 +98,14 @@ def trace(found: Projection) -> Array:
 def corners_of(found: Projection) -> Array:
     """Return (k, 2) vertices of the inner polygon, counter-clockwise; none that lies on a line between its neighbours [m]."""
     vertices = (found.inner or found.outer).vertices
+    flat = ROUNDING * float(np.ptp(vertices, axis=0).max())
     while len(vertices) > 3:
-        before, after = np.roll(vertices, 1, axis=0) - vertices, np.roll(vertices, -1, axis=0) - vertices
-        corner = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / 2
-        if corner.min() > ROUNDING * area_of(vertices):
+        ends = np.roll(vertices, -1, axis=0) - np.roll(vertices, 1, axis=0)
+        before = vertices - np.roll(vertices, 1, axis=0)
+        heights = np.abs(before[:, 0] * ends[:, 1] - before[:, 1] * ends[:, 0]) / np.maximum(np.hypot(*ends.T), flat)
+        if heights.min() > flat:
             break
-        vertices = np.delete(vertices, int(corner.argmin()), axis=0)
+        vertices = np.delete(vertices, int(heights.argmin()), axis=0)
     return vertices
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 
 from experiments.formations import Formation, Searcher
 from experiments.print_style import BLUE, COLUMN, FAINT, INK, ORANGE, PAGE, PINK, SKY, panels, save, style, title
@@ -21,7 +21,7 @@ from filter.projection import Stop, position
 PROMISES = ((8, 0.85), (12, 0.90), (15, 0.95), (30, 0.99))  # searches and performance ratio, as section 7 ends
 SHOWN = (4, 5, 6, 8, 12)  # searches of which the polygons are drawn
 CIRCLE = 3600  # vertices of a polygon that stands for a circle
-SMALLEST = 1e-5  # area gap over area that is drawn
+FRAME = np.array([-1.08, 1.08])  # of panels, times half their content's size
 
 
 def ratios(areas: Array) -> Array:
@@ -96,13 +96,15 @@ def draw_searches(folder: Path, formation: Formation, robot: int) -> None:
     D = position(robot, len(formation))
     exact = corners_of(searcher.project(D, Stop(performance_ratio=1.0, searches=200)))
     with style():
-        figure, axes = panels(1, len(SHOWN), PAGE, 2.2, sharex=True, sharey=True)
+        figure, axes = panels(1, len(SHOWN), PAGE, 2.1, sharey=True)
+        lower, upper = searcher.project(D, Stop(performance_ratio=1.0, searches=SHOWN[0])).outer.bounds
+        middle, half = (lower + upper) / 2, float((upper - lower).max()) / 2
         for panel, letter, count in zip(axes, "abcde", SHOWN, strict=True):
             found = searcher.project(D, Stop(performance_ratio=1.0, searches=count))
             _region(panel, exact, found.outer.vertices, None if found.inner is None else found.inner.vertices)
             title(panel, letter, f"{count} searches: {found.inner_areas[-1] / found.outer_areas[-1]:.2f}")
-            panel.set(xlabel="x [m]")
-            panel.set_aspect("equal")
+            panel.set(xlabel="x [m]", xlim=middle[0] + half * FRAME, ylim=middle[1] + half * FRAME, aspect="equal")
+            panel.xaxis.set_major_locator(MaxNLocator(3))
         axes[0].set_ylabel("y [m]")
         outer = Patch(facecolor=ORANGE + "59", edgecolor=ORANGE, label=r"$\mathcal{P}^+$, outer")
         inner = Patch(facecolor=SKY + "8c", edgecolor=BLUE, label=r"$\mathcal{P}^-$, inner")

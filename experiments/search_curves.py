@@ -136,7 +136,7 @@ def distinct(places: Integers) -> Integers:
 def regular_polygon(vertices: int) -> Polygon:
     """Return a regular polygon of radius 1 m: with many vertices, all but a circle."""
     turn = 2 * np.pi * (np.arange(vertices) + 0.5) / vertices
-    return Polygon.from_vertices(np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return Polygon.hull(np.stack([np.cos(turn), np.sin(turn)], axis=1))
 
 
 class _Corners:

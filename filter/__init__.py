@@ -1,12 +1,12 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
-Read the modules in this order: errors, arrays, angles, polygon, constraints, lp, solvers, polytope, measurements, team,
-sensing, motion, projection, pruning, belief, regions, set_membership.
+Read the modules in this order: errors, arrays, angles, polygon, constraints, lp, solvers, polytope, reference, measurements,
+team, sensing, motion, projection, pruning, belief, regions, set_membership.
 """
 
 from filter.angles import AngularIntervals
 from filter.belief import Belief, Region, Source
-from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
+from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.projection import Stop
@@ -31,4 +31,5 @@ __all__ = [
     "Source",
     "Stop",
     "Team",
+    "Unbounded",
 ]

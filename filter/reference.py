@@ -57,18 +57,20 @@ def bounded_box(rows: Constraints, anchors: Array, solver: str = "piqp") -> tupl
     free = free_coordinates(anchors)
     middle = np.where(free, _middle(anchors), anchors)
     reach = np.where(free, FAR * _spread(rows, anchors), 0.0)
-    program = Polytope(rows, middle - reach, middle + reach).program()
+    far = Polytope(rows, middle - reach, middle + reach)
+    program = far.program()
+    deepest = deepest_point(program, solver)
+    if deepest is not None and program.proves_empty(deepest.multipliers):
+        return far.lower, far.upper  # any box does; the rows that disagree are named by whoever searches them
     coordinates = np.flatnonzero(free)
-    greatest = _greatest(program, coordinates, 1.0, solver)
-    least = -_greatest(program, coordinates, -1.0, solver)
-    size = NEARLY * program.radius[coordinates]
-    centre = program.centre[coordinates]
-    open_ended = (greatest > centre + size) | (least < centre - size)
-    if open_ended.any() or not _has_a_point(program, solver):
+    lower, upper = _bounds(program, coordinates, solver)
+    side, centre = NEARLY * program.radius[coordinates], program.centre[coordinates]
+    open_ended = (upper > centre + side) | (lower < centre - side)
+    if open_ended.any() or deepest is None or not program.holds(deepest.point[None])[0]:
         raise _unbounded(rows, free, coordinates[open_ended], solver)
-    lower, upper = middle.copy(), middle.copy()
-    lower[free], upper[free] = np.minimum(least, greatest), np.maximum(least, greatest)
-    return lower, upper
+    box = np.stack([middle, middle])
+    box[:, free] = lower, upper
+    return box[0], box[1]
 
 
 def _middle(anchors: Array) -> Array:
@@ -84,23 +86,20 @@ def _spread(rows: Constraints, anchors: Array) -> float:
     return max([*apart, float(np.abs(rows.offset).max(initial=0))]) or 1.0
 
 
-def _greatest(program: LinearProgram, coordinates: Integers, sign: float, solver: str) -> Array:
-    """Return (k,) proved upper bounds of sign times each coordinate [m]."""
-    objectives = np.zeros((len(coordinates), len(program.centre)))
-    objectives[np.arange(len(coordinates)), coordinates] = sign
+def _bounds(program: LinearProgram, coordinates: Integers, solver: str) -> tuple[Array, Array]:
+    """Return (k,) proved lower and upper bounds of (k,) coordinates [m]."""
+    count = len(coordinates)
+    objectives = np.zeros((2 * count, len(program.centre)))
+    objectives[np.arange(2 * count), np.tile(coordinates, 2)] = np.repeat([1.0, -1.0], count)
     work = workspace(program, solver)
-    found = [work.maximize(objective) for objective in objectives]
-    nothing = np.zeros(len(program.b))
-    multipliers = np.array([nothing if candidate is None else candidate.multipliers for candidate in found])
-    return program.certified_bounds(objectives, multipliers.reshape(len(coordinates), len(program.b)))
-
-
-def _has_a_point(program: LinearProgram, solver: str) -> bool:
-    """Return whether a point is proved, or emptiness is, which the caller's next step will find and name the causes of."""
-    deepest = deepest_point(program, solver)
-    if deepest is None:
-        return False
-    return bool(program.holds(deepest.point[None])[0]) or program.proves_empty(deepest.multipliers)
+    multipliers = np.zeros((2 * count, len(program.b)))
+    for k, objective in enumerate(objectives):
+        found = work.maximize(objective)
+        if found is not None:
+            multipliers[k] = found.multipliers
+    greatest = program.certified_bounds(objectives, multipliers)
+    upper, lower = greatest[:count], -greatest[count:]
+    return np.minimum(lower, upper), np.maximum(lower, upper)
 
 
 def _unbounded(rows: Constraints, free: Mask, open_ended: Integers, solver: str) -> Unbounded:

@@ -135,6 +135,9 @@ def test_reasons_to_stop():
         {"area_gap": np.inf},
         {"searches": 3},
         {"searches": np.nan},
+        {"seconds": -1.0, "clock": float},
+        {"seconds": np.nan, "clock": float},
+        {"seconds": 1.0},  # without a clock
     ],
 )
 def test_a_stop_out_of_its_range_is_refused(wrong):

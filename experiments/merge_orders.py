@@ -48,7 +48,7 @@ class StaticCase:
 
 def static_case(generator: np.random.Generator) -> StaticCase:
     """Return a static case with errors uniform over their bounds."""
-    positions = _places(generator)
+    positions = places(generator, ROBOTS, SIZE, APART)
     headings = generator.uniform(-np.pi, np.pi, ROBOTS)
     half = np.full((ROBOTS, 2), REACH)
     half[0], half[1, 0] = 0, 0
@@ -69,13 +69,14 @@ def static_case(generator: np.random.Generator) -> StaticCase:
     )
 
 
-def _places(generator: np.random.Generator) -> Array:
-    places: list[Array] = []
-    while len(places) < ROBOTS:
-        place = generator.uniform(0, SIZE, 2)
-        if all(np.hypot(*(place - other)) >= APART for other in places):
-            places.append(place)
-    return np.array(places)
+def places(generator: np.random.Generator, count: int, size: float, apart: float) -> Array:
+    """Return (count, 2) places uniform in a square [0, size]^2, at least so far apart [m]."""
+    found: list[Array] = []
+    while len(found) < count:
+        place = generator.uniform(0, size, 2)
+        if all(np.hypot(*(place - other)) >= apart for other in found):
+            found.append(place)
+    return np.array(found)
 
 
 @dataclass(frozen=True)
@@ -97,21 +98,25 @@ class Spread:
 
 def spread_over_orders(case: StaticCase, orders: int, generator: np.random.Generator) -> Spread:
     """Return how results differ between random orders of the same bearings."""
-    team = Team(ROBOTS, speed_limit=0.0, turn_rate_limit=0.0)
+    team = Team(len(case.positions), speed_limit=0.0, turn_rate_limit=0.0)
     sets, kalman = SetMembershipFilter(team), ExtendedKalmanFilter(team)
     prior, guess = sets.start(0.0, case.initial, case.headings), kalman.start(0.0, case.initial, case.headings)
+    free = [
+        robot for robot, polygon in enumerate(case.initial) if np.ptp(polygon.vertices, axis=0).any()
+    ]  # not anchored at a point
+    wide = [robot for robot in free if case.initial[robot].area > 0]
     areas, contains, means, deviations = [], True, [], []
     for bearings in _shuffled(case.bearings, orders, generator):
         outers = [region.outer for region in sets.update(prior, bearings).regions]
-        areas.append([outer.area for outer in outers[1:]])  # the first is anchored
+        areas.append([outers[robot].area for robot in wide])
         contains &= all(bool(outer.contains(place)) for outer, place in zip(outers, case.positions, strict=True))
         estimate = kalman.update(guess, bearings)
-        means.append(estimate.mean[:, :2])
-        deviations.append(_deviations(estimate))
-    relative = np.ptp(areas, axis=0) / np.maximum(np.mean(areas, axis=0), np.finfo(float).tiny)
+        means.append(estimate.mean[free, :2])
+        deviations.append(_deviations(estimate)[free])
+    relative = np.ptp(areas, axis=0) / np.mean(areas, axis=0)
     between = np.array(means)[:, None] - np.array(means)
     widest = np.hypot(between[..., 0], between[..., 1]).max(axis=(0, 1))
-    share = widest[1:] / np.mean(deviations, axis=0)[1:]
+    share = widest / np.mean(deviations, axis=0)
     return Spread(float(relative.max()), contains, float(widest.max()), float(share.max()))
 
 

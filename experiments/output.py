@@ -37,8 +37,8 @@ def output_folder(path: Path) -> Path:
     return path
 
 
-def write_summary(folder: Path, summary: Mapping[str, Value]) -> None:
-    """Write `summary.json`, one key a line."""
+def write_summary(folder: Path, summary: Mapping[str, Value | list[float]]) -> None:
+    """Write `summary.json`, flat but for lists of numbers."""
     (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 

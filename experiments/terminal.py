@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import TracebackType
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 from experiments.metrics import Value
@@ -42,6 +42,27 @@ class StepProgress:
         self._progress.update(self._task, advance=1, time=time, step=1e3 * seconds)
 
     def __enter__(self) -> StepProgress:
+        self._progress.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._progress.stop()
+
+
+class Counting:
+    """A progress bar over things of one kind. Use as a context manager."""
+
+    def __init__(self, count: int, things: str) -> None:
+        """Prepare the bar for `count` things of which the name is a plural."""
+        columns = (BarColumn(), MofNCompleteColumn(), TextColumn(things), TimeElapsedColumn(), TimeRemainingColumn())
+        self._progress = Progress(*columns, console=Console(stderr=True))
+        self._task = self._progress.add_task("", total=count)
+
+    def advance(self) -> None:
+        """Show that one more is done."""
+        self._progress.advance(self._task)
+
+    def __enter__(self) -> Counting:
         self._progress.start()
         return self
 

@@ -1,13 +1,13 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
 Read the modules in this order: errors, arrays, angles, plane, polygon, constraints, lp, scaling, solvers, polytope,
-measurements, team, sensing, motion, projection, pruning, simplex, shadow, exact, projector, belief, regions,
+reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, projector, belief, regions,
 set_membership.
 """
 
 from filter.angles import AngularIntervals
 from filter.belief import Belief, Region, Source
-from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
+from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.projection import Stop
@@ -32,4 +32,5 @@ __all__ = [
     "Source",
     "Stop",
     "Team",
+    "Unbounded",
 ]

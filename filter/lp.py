@@ -111,9 +111,17 @@ class LinearProgram:
         moved = inside + np.clip(share, 0, 1) * (interior - inside)
         return np.asarray(np.clip(moved, self.lower, self.upper))
 
+    @cached_property
+    def _exact(self) -> Mask:
+        """(r,) rows +-x_k <= b on an anchored coordinate: the sign of their slack is right, however small it is."""
+        row = np.repeat(np.arange(len(self.b)), np.diff(self.A.indptr))
+        terms = np.bincount(row[self.A.data != 0], minlength=len(self.b))
+        unit = (np.abs(self.A.data) == 1) & (self.radius[self.A.indices] == 0)
+        return (terms == 1) & (np.bincount(row[unit], minlength=len(self.b)) == 1)
+
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
-        """Return b - A x and the rounding in it, both (k, r)."""
+        """Return b - A x at points (k, v) of the box, and the rounding in it, both (k, r)."""
         moved = points - self.centre
         slack = self.slack - (self.A @ moved.T).T
         doubt = self._slack_rounding + FEW * (self._magnitudes @ (np.abs(moved) + EPSILON * np.abs(points)).T).T
-        return np.asarray(slack), np.asarray(doubt)
+        return np.asarray(slack), np.where(self._exact, 0.0, doubt)

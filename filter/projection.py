@@ -1,33 +1,27 @@
-"""The projection of the team's polytope onto a plane, from inside and from outside (sections 5 to 7 of the paper).
+"""Projections of the team's polytope onto a plane, from inside and from outside (sections 5 and 6 of the paper).
 
-Each search maximises one direction: it gives a point of the projection and a line that supports it. The hull of the
-points is inside, the intersection of the half-planes outside; between two neighbouring points the two differ by a
-triangle, and the largest triangle is searched next.
+A direction that was maximised gives a point of the projection and a line that supports it. The hull of the points is
+inside, the intersection of the half-planes outside.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from itertools import pairwise
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from filter.arrays import Array, Integers, number, read_only, whole
+from filter.errors import InvalidInput
 from filter.lp import LinearProgram
 from filter.plane import EPSILON
 from filter.polygon import Polygon, clip
-from filter.solvers import Workspace
 
 HalfPlanes = tuple[Array, Array]  # normals (k, 2) and offsets (k,)
 NOTHING: HalfPlanes = (np.zeros((0, 2)), np.zeros(0))
 
-Reason = Literal["performance ratio", "area gap", "searches", "exact", "solver"]
-
-# A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
-NEGLIGIBLE = 1e-12
-# Across a set thinner than this share, the line between the first two points is rounding.
-THIN = 1e-6
+Reason = Literal["performance ratio", "area gap", "searches", "time", "exact", "solver"]
 
 
 @dataclass(frozen=True)
@@ -40,27 +34,42 @@ class Stop:
         performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
         area_gap: Outer area less inner area (eq. 6) [m2], from 0 on.
         searches: Number of searches, or of edges, from 4 on.
+        seconds: Time since the search began, from 0 on, or None for no limit [s]; it is looked at from the fourth search
+            on. With a limit, results depend on the machine.
+        clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
 
     Raises:
-        InvalidInput: A number is not finite or out of its range.
+        InvalidInput: A number is not finite or out of its range, or there is a time limit without a clock.
     """
 
     performance_ratio: float = 0.999
     area_gap: float = 0.0
     searches: int = 32
+    seconds: float | None = None
+    clock: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
         number("performance ratio", self.performance_ratio, 0, 1)
         number("area gap [m2]", self.area_gap, 0)
         whole("searches", self.searches, low=4)
+        if self.seconds is not None:
+            number("time limit [s]", self.seconds, 0)
+            if self.clock is None:
+                raise InvalidInput("a clock to hold a time limit against", f"{self.seconds} s without one")
 
-    def reason(self, inner_area: float, gap: float, searches: int) -> Reason | None:
-        """Return why to end here, or None to go on."""
+    def now(self) -> float:
+        """Return the clock's time [s]; always 0 when there is no time limit."""
+        return 0.0 if self.seconds is None or self.clock is None else self.clock()
+
+    def reason(self, inner_area: float, gap: float, searches: int, began: float = 0.0) -> Reason | None:
+        """Return why to end a search that began at a time of `now` [s], or None to go on."""
         if inner_area >= self.performance_ratio * (inner_area + gap):
             return "performance ratio"
         if gap <= self.area_gap:
             return "area gap"
-        return "searches" if searches >= self.searches else None
+        if searches >= self.searches:
+            return "searches"
+        return "time" if self.seconds is not None and self.now() - began >= self.seconds else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,42 +131,6 @@ def relative_position(i: int, j: int, robots: int) -> Array:
     return position(i, robots) - position(j, robots)
 
 
-def project(
-    program: LinearProgram, solver: Workspace, D: Array, interior: Array, *, stop: Stop, known: HalfPlanes = NOTHING
-) -> Projection:
-    """Project the program's polytope by any D (2, v), onto {D x}.
-
-    Args:
-        program: The polytope.
-        solver: A workspace on the same program.
-        D: (2, v).
-        interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
-        stop: When to end; it looks at what the searches found, not at what was known.
-        known: Half-planes that contain the projection anyway; they cut the outer polygon.
-
-    Algorithm:
-        Section 7 of the paper: two opposite searches, two normal to the line between their points, then always
-        normal to the inner edge of the largest triangle. The bounds on areas hold for any points of the optimal
-        faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
-    """
-    search = _Search(solver, D, stop)
-    search.run()
-    directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
-    points = np.array(search.points).reshape(-1, D.shape[1])
-    multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
-    outer, edges, _ = outer_polygon(program, D, directions, multipliers, known)
-    return Projection(
-        outer,
-        edges,
-        inner_polygon(program, D, points, interior),
-        directions,
-        multipliers,
-        np.array(search.inner_areas),
-        np.array(search.outer_areas),
-        search.reason,
-    )
-
-
 def outer_polygon(
     program: LinearProgram, D: Array, directions: Array, multipliers: Array, known: HalfPlanes
 ) -> tuple[Polygon, Integers, Array]:
@@ -200,97 +173,3 @@ def inner_polygon(program: LinearProgram, D: Array, points: Array, interior: Arr
     pulled = program.pulled(points, interior)
     feasible = pulled[program.holds(pulled)]
     return Polygon.hull(feasible @ D.T) if len(feasible) else None
-
-
-@dataclass
-class _Support:
-    """One search: its direction, the point reached, and the triangle up to the next. The plane's vectors are x + y j."""
-
-    direction: complex
-    point: complex
-    triangle: float = 0.0
-
-
-@dataclass
-class _Search:
-    """The searches of one projection, and its supports in counter-clockwise order."""
-
-    solver: Workspace
-    D: Array
-    stop: Stop
-    supports: list[_Support] = field(default_factory=list)
-    directions: list[complex] = field(default_factory=list)
-    points: list[Array] = field(default_factory=list)
-    multipliers: list[Array] = field(default_factory=list)
-    inner_areas: list[float] = field(default_factory=list)
-    outer_areas: list[float] = field(default_factory=list)
-    reason: Reason = "solver"
-
-    def run(self) -> None:
-        if not self._begin():
-            return
-        while True:
-            supports = self.supports
-            inner_area, gap = self._inner_area(), sum(support.triangle for support in supports)
-            self._record(inner_area, inner_area + gap)
-            reason = self.stop.reason(inner_area, gap, len(self.directions))
-            k = max(range(len(supports)), key=lambda k: supports[k].triangle)
-            if reason or supports[k].triangle <= NEGLIGIBLE * (inner_area + gap):
-                self.reason = reason or "exact"
-                return
-            edge = supports[(k + 1) % len(supports)].point - supports[k].point
-            if not self._look(k + 1, edge * -1j):
-                return
-
-    def _begin(self) -> bool:
-        """Make the first four searches (section 7.1); False when the solver gives up."""
-        for place, direction in enumerate((1 + 0j, -1 + 0j)):
-            if not self._look(place, direction):
-                return False
-            self._record(0.0, np.inf)
-        right, left = (support.point for support in self.supports)
-        along = right - left
-        across = along * 1j if along.real > THIN * abs(along) else 1j
-        if not self._look(1, across):
-            return False
-        self._record(self._inner_area(), np.inf)
-        return self._look(3, -across)
-
-    def _look(self, place: int, towards: complex) -> bool:
-        """Search one direction and put its support in its place; False when the solver gives up."""
-        direction = towards / abs(towards)
-        found = self.solver.maximize(direction.real * self.D[0] + direction.imag * self.D[1])
-        if found is None or not np.isfinite(found.point).all():
-            return False
-        self.supports.insert(place, _Support(direction, complex(*(self.D @ found.point))))
-        self.directions.append(direction)
-        self.points.append(found.point)
-        self.multipliers.append(found.multipliers)
-        changed = range(4) if len(self.supports) == 4 else (place - 1, place)
-        for k in changed if len(self.supports) >= 4 else ():
-            self.supports[k].triangle = _triangle(self.supports[k], self.supports[(k + 1) % len(self.supports)])
-        return True
-
-    def _inner_area(self) -> float:
-        first = self.supports[0].point
-        edges = [support.point - first for support in self.supports[1:]]
-        return max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
-
-    def _record(self, inner_area: float, outer_area: float) -> None:
-        self.inner_areas.append(inner_area)
-        self.outer_areas.append(outer_area)
-
-
-def _cross(a: complex, b: complex) -> float:
-    return (a.conjugate() * b).imag
-
-
-def _triangle(here: _Support, after: _Support) -> float:
-    """Return the area between the line from one point to the next and their two supporting lines [m2]."""
-    turn = _cross(here.direction, after.direction)
-    if turn <= NEGLIGIBLE:
-        return 0.0
-    edge = after.point - here.point
-    # The supporting lines meet where the first one, from its point on, has come as far along the second direction.
-    apex = here.direction * 1j * (after.direction.conjugate() * edge).real / turn
-    return max(0.0, _cross(apex, edge) / 2)

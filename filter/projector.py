@@ -10,7 +10,8 @@ import numpy as np
 from filter.arrays import Array
 from filter.exact import Walker, project_exactly
 from filter.lp import LinearProgram
-from filter.projection import HalfPlanes, Projection, Stop, project
+from filter.projection import HalfPlanes, Projection, Stop
+from filter.search import project
 from filter.solvers import deepest_point, workspace
 
 EXACT = "exact"  # no solver: a walk over the vertices

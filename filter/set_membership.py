@@ -21,6 +21,7 @@ from filter.projector import EXACT
 from filter.pruning import prune
 from filter.regions import regions_at_a_glance, searched
 from filter.sensing import (
+    TANGENT_SPACING,
     bearing_rows,
     heading_arcs_of_bearing,
     heading_arcs_of_compass,
@@ -43,9 +44,11 @@ class SetMembershipFilter:
         stop: When a robot's region is good enough.
         rows_per_robot: How many rows on one robot survive pruning, from 4 on.
         rows_per_pair: How many rows on one pair survive pruning, from 4 on.
+        tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
+            a smaller one means smaller regions and more rows.
 
     Raises:
-        InvalidInput: No such solver is installed, or a budget is too small.
+        InvalidInput: No such solver is installed, a budget is too small, or the spacing is out of its range.
     """
 
     team: Team
@@ -53,11 +56,13 @@ class SetMembershipFilter:
     stop: Stop = field(default_factory=Stop)
     rows_per_robot: int = 12
     rows_per_pair: int = 8
+    tangent_spacing: float = TANGENT_SPACING
 
     def __post_init__(self) -> None:
         check_solver(self.solver, [EXACT])
         whole("rows_per_robot", self.rows_per_robot, low=4)
         whole("rows_per_pair", self.rows_per_pair, low=4)
+        number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2)
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement.
@@ -174,7 +179,7 @@ class SetMembershipFilter:
         for record, source in numbered:
             if isinstance(record, Range):
                 arcs = spans_of_targets(polytope, self.team.landmarks, record.robot, record.target)
-                rows.append(range_rows(record, arcs, source))
+                rows.append(range_rows(record, arcs, source, self.tangent_spacing))
         return self._with_rows(polytope, rows)
 
     def _with_rows(self, polytope: Polytope, rows: list[Constraints]) -> Polytope:

@@ -1,6 +1,6 @@
-"""The linear-programming solvers: PIQP with a workspace kept across directions, or any that qpsolvers knows.
+"""The linear-programming solvers: PIQP and the simplex of HiGHS, kept across directions, or any that qpsolvers knows.
 
-Their answers are candidates that `LinearProgram` judges. The only module that imports piqp and qpsolvers.
+Their answers are candidates that `LinearProgram` judges. The only module that imports piqp, highspy and qpsolvers.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import highspy
 import numpy as np
 import piqp
 import qpsolvers
@@ -23,6 +24,15 @@ from filter.scaling import ScaledProgram
 CLEARLY = 1e-3
 # PIQP needs 8 to 15 iterations; where it needs many more the polytope is all but flat, and more of them gain nothing.
 MAX_ITERATIONS = 60
+# The simplex method goes on from the vertex of the direction before; a point of its own is as exact as HiGHS can make it.
+SIMPLEX = "highs-simplex"
+SIMPLEX_OPTIONS: dict[str, str | int | float] = {
+    "solver": "simplex",
+    "simplex_strategy": 4,  # primal: the last vertex stays feasible when the direction changes
+    "presolve": "off",
+    "primal_feasibility_tolerance": 1e-10,
+    "dual_feasibility_tolerance": 1e-10,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +57,14 @@ def workspace(program: LinearProgram, solver: str) -> Workspace:
         InvalidInput: No such solver is installed.
     """
     check_solver(solver)
+    if solver == SIMPLEX:
+        return _Simplex(program)
     return _Piqp(program) if solver == "piqp" else _Qpsolvers(program, solver)
 
 
 def check_solver(solver: str, others: Sequence[str] = ()) -> None:
     """Raise `InvalidInput`, with the list of those there are, unless the solver is installed or among the others."""
-    known = [*others, *sorted(qpsolvers.available_solvers)]
+    known = [*others, *sorted([*qpsolvers.available_solvers, SIMPLEX])]
     if solver not in known:
         raise InvalidInput(f"a solver among {', '.join(known)}", repr(solver))
 
@@ -62,7 +74,9 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
 
     With a negative t the multipliers are a candidate for the proof that the polytope is empty.
     """
-    live = np.flatnonzero(program.slack < (1 + CLEARLY) * (abs(program.A) @ program.radius))
+    size = abs(program.A) @ program.radius
+    # A row on anchored coordinates alone keeps no point at a distance; it matters where it cannot be satisfied.
+    live = np.flatnonzero((program.slack < (1 + CLEARLY) * size) & ((size > 0) | (program.slack < 0)))
     depth = float(np.abs(program.slack).max(initial=0) + 4 * program.radius.max(initial=0))
     deepened = LinearProgram(
         sparse.csr_array(sparse.hstack([program.A[live], np.ones((len(live), 1))])),
@@ -106,6 +120,39 @@ class _Piqp:
         if self._solver.solve() not in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
             return None
         return _candidate(scaled, self._solver.result.x, self._solver.result.z_u, scale)
+
+
+class _Simplex:
+    """HiGHS's primal simplex method, begun at the last direction's vertex; it returns vertices of the polytope."""
+
+    def __init__(self, program: LinearProgram) -> None:
+        self._scaled = scaled = ScaledProgram.of(program)
+        self._solver = highspy.Highs()  # type: ignore[no-untyped-call]
+        self._solver.silent()
+        for name, value in SIMPLEX_OPTIONS.items():
+            self._solver.setOptionValue(name, value)
+        rows, columns = scaled.G.shape
+        model = highspy.HighsLp()
+        model.num_col_, model.num_row_ = columns, rows
+        model.col_cost_, model.col_lower_, model.col_upper_ = np.zeros(columns), -np.ones(columns), np.ones(columns)
+        model.row_lower_, model.row_upper_ = np.full(rows, -np.inf), scaled.h
+        model.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+        model.a_matrix_.start_, model.a_matrix_.index_ = scaled.G.indptr, scaled.G.indices
+        model.a_matrix_.value_ = scaled.G.data
+        model.sense_ = highspy.ObjSense.kMaximize
+        self._solver.passModel(model)
+
+    def maximize(self, objective: Array) -> Candidate | None:
+        scaled = self._scaled
+        c, scale = scaled.objective(objective)
+        if not len(c):
+            return _candidate(scaled, c, np.zeros(len(scaled.h)), scale)
+        self._solver.changeColsCost(len(c), np.arange(len(c), dtype=np.int32), c)
+        self._solver.run()
+        if self._solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            return None
+        solution = self._solver.getSolution()
+        return _candidate(scaled, np.array(solution.col_value), np.array(solution.row_dual), scale)
 
 
 class _Qpsolvers:

@@ -25,7 +25,7 @@ PLAIN = {
     "typing",
 }
 # What some modules of the filter may use besides.
-AND = {"solvers": {"piqp", "qpsolvers"}, "plane": {"numba"}, "simplex": {"numba"}, "shadow": {"numba"}}
+AND = {"solvers": {"piqp", "qpsolvers", "highspy"}, "plane": {"numba"}, "simplex": {"numba"}, "shadow": {"numba"}}
 MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
 ORDER = [
     "errors",
@@ -38,11 +38,13 @@ ORDER = [
     "scaling",
     "solvers",
     "polytope",
+    "reference",
     "measurements",
     "team",
     "sensing",
     "motion",
     "projection",
+    "search",
     "pruning",
     "simplex",
     "shadow",
@@ -129,7 +131,7 @@ def test_models_know_nobody(path):
 def test_solvers_physics_and_recording_are_in_their_places(path):
     names = {top(name) for name in imports(path)}
     relative = str(path.relative_to(ROOT))
-    assert relative == "filter/solvers.py" or not names & {"piqp", "qpsolvers"}
+    assert relative == "filter/solvers.py" or not names & {"piqp", "qpsolvers", "highspy"}
     assert folder(path) == "sim" or "mujoco" not in names
     assert relative == "experiments/recording.py" or "rerun" not in names
 

@@ -12,8 +12,9 @@ from filter.errors import Inconsistent
 from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.polygon import Polygon
 from filter.polytope import Polytope
-from filter.projection import Stop, position, project
+from filter.projection import Stop, position
 from filter.pruning import prune
+from filter.search import project
 from filter.set_membership import SetMembershipFilter
 from filter.solvers import deepest_point, workspace
 from filter.team import Team

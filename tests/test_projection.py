@@ -12,7 +12,8 @@ from worlds import exact_slack, feasible, outside_hull, random_program, unit
 from filter.errors import InvalidInput
 from filter.lp import LinearProgram
 from filter.polygon import Polygon
-from filter.projection import Stop, performance_ratio, position, project, relative_position
+from filter.projection import Stop, performance_ratio, position, relative_position
+from filter.search import project
 from filter.solvers import Candidate, deepest_point, workspace
 
 # Two solvers, or two ways to compute an area, agree to this share.
@@ -135,6 +136,9 @@ def test_reasons_to_stop():
         {"area_gap": np.inf},
         {"searches": 3},
         {"searches": np.nan},
+        {"seconds": -1.0, "clock": float},
+        {"seconds": np.nan, "clock": float},
+        {"seconds": 1.0},  # without a clock
     ],
 )
 def test_a_stop_out_of_its_range_is_refused(wrong):

@@ -9,11 +9,11 @@ from worlds import random_program, unit
 from filter import solvers
 from filter.errors import InvalidInput
 from filter.lp import LinearProgram
-from filter.solvers import check_solver, deepest_point, workspace
+from filter.solvers import SIMPLEX, check_solver, deepest_point, workspace
 
 # Solvers agree to this [m].
 SAME = 1e-6
-BOTH = pytest.mark.parametrize("solver", ["piqp", "highs"])
+EACH = pytest.mark.parametrize("solver", ["piqp", "highs", SIMPLEX])
 
 
 def greatest(program, objective):
@@ -22,7 +22,7 @@ def greatest(program, objective):
     return -linprog(-objective, program.A.toarray(), program.b, bounds=box, method="highs").fun
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize("seed", range(6))
 def test_a_workspace_answers_one_direction_after_the_other(solver, seed):
     rng = np.random.default_rng(seed)
@@ -39,7 +39,7 @@ def test_a_workspace_answers_one_direction_after_the_other(solver, seed):
         assert optimum - 1e-12 * size <= bound <= optimum + SAME * size
 
 
-@BOTH
+@EACH
 def test_anchored_coordinates_stay_where_they_are(solver):
     program = random_program(np.random.default_rng(0), robots=3, rows=12)
     anchored = LinearProgram(program.A, program.b, np.append(program.centre[:2], program.lower[2:]), program.upper.copy())
@@ -50,7 +50,7 @@ def test_anchored_coordinates_stay_where_they_are(solver):
     assert objective @ found.point == pytest.approx(greatest(anchored, objective), abs=SAME)
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize("slack", [0.0, 1.0, -1e-16, -1.0])
 def test_a_program_without_a_free_coordinate_has_an_answer(solver, slack):
     middle = np.array([1.0, 2.0])
@@ -60,7 +60,7 @@ def test_a_program_without_a_free_coordinate_has_an_answer(solver, slack):
     assert program.certified_bounds(np.array([[0.6, 0.8]]), found.multipliers[None])[0] >= 2.2
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize("slack", [1e-17, 0.0, -1e-16])
 def test_a_row_on_anchored_coordinates_alone_is_no_trouble(solver, slack):
     lower, upper = np.array([0.0, 0.0, -1.0, -1.0]), np.array([0.0, 0.0, 1.0, 1.0])
@@ -72,14 +72,14 @@ def test_a_row_on_anchored_coordinates_alone_is_no_trouble(solver, slack):
     assert program.certified_bounds(objective[None], found.multipliers[None])[0] == pytest.approx(0.5, abs=SAME)
 
 
-@BOTH
+@EACH
 def test_the_deepest_point_keeps_as_far_from_every_row_as_can_be(solver):
     A = sparse.csr_array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     program = LinearProgram(A, np.array([1.0, 1.0, 2.0, 0.0]), np.full(2, -9.0), np.full(2, 9.0))
     assert deepest_point(program, solver).point == pytest.approx([0.0, 1.0], abs=1e-5)
 
 
-@BOTH
+@EACH
 def test_the_deepest_point_of_no_rows_is_in_the_box(solver):
     program = LinearProgram(sparse.csr_array((0, 2)), np.zeros(0), np.zeros(2), np.ones(2))
     assert np.abs(deepest_point(program, solver).point - 0.5).max() <= 0.5 + SAME
@@ -99,7 +99,7 @@ def test_nothing_that_a_solver_throws_escapes(monkeypatch):
     assert workspace(random_program(np.random.default_rng(0)), "highs").maximize(np.ones(4)) is None
 
 
-@BOTH
+@EACH
 def test_a_program_without_a_point_is_no_answer_or_a_candidate(solver):
     program = LinearProgram(
         sparse.csr_array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-1.0, -1.0]), np.full(2, -5.0), np.full(2, 5.0)

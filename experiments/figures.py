@@ -1,4 +1,4 @@
-"""The comparison's figures. Nothing else draws with Matplotlib."""
+"""The comparison's figures."""
 
 from __future__ import annotations
 

@@ -15,12 +15,14 @@ from matplotlib.patheffects import withStroke
 from experiments.print_style import AMBER, BLUE, FAINT, GREEN, INK, ORANGE, PAGE, PINK, SKY, panels, save, style, title
 from experiments.range_sector import least_overestimate, overestimate, polygon_of_rows
 from experiments.static_frames import Localized, Relative
+from filter.arrays import Array
 from filter.polygon import Polygon
 
 LETTERS = "abcdefgh"
 EXAMPLES = ((0.05, 5.0), (0.05, 10.0), (0.10, 5.0), (0.10, 10.0))  # range error, bearing error [deg]: those of Fig. 3
 WIDEST = 20.0  # bearing error that curves go to [deg]
 THINNEST = 1e-6  # regions below this area are drawn as lines [m2]
+APART = 7.0  # of a robot's number [points]
 
 
 def draw_frames(folder: Path, frames: Sequence[Localized]) -> None:
@@ -44,8 +46,7 @@ def _formation(axes: Axes, localized: Localized) -> None:
         _region(axes, region.outer)
         if np.isnan(localized.anchors[robot]).all():
             axes.plot(*region.outer.centroid, "*", color=ORANGE, markersize=5.5, markeredgewidth=0, zorder=5)
-        halo = [withStroke(linewidth=1.6, foreground="white")]
-        axes.annotate(str(robot), positions[robot], (3, 3), textcoords="offset points", fontsize=7, zorder=7, path_effects=halo)
+        _number(axes, robot, positions[robot], region.outer.centroid)
     anchored = (~np.isnan(localized.anchors)).sum(axis=1)
     for count, marker in ((0, "o"), (1, "D"), (2, "s")):
         axes.plot(*positions[anchored == count].T, **_truth(marker))
@@ -55,6 +56,16 @@ def _formation(axes: Axes, localized: Localized) -> None:
 def _region(axes: Axes, outer: Polygon) -> None:
     width = 1.0 if outer.area > THINNEST else 1.6
     axes.fill(*outer.vertices.T, facecolor=SKY + "4d", edgecolor=BLUE, linewidth=width, joinstyle="round", zorder=3)
+
+
+def _number(axes: Axes, robot: int, place: Array, centroid: Array) -> None:
+    """Write a robot's number beside it, on the side away from its region's centroid."""
+    away = place - centroid
+    size = float(np.hypot(*away))
+    x, y = APART * (away / size if size > THINNEST else np.array([0.7, 0.7]))
+    halo = [withStroke(linewidth=1.6, foreground="white")]
+    words = {"fontsize": 7, "ha": "center", "va": "center", "zorder": 7, "path_effects": halo}
+    axes.annotate(str(robot), place, (x, y), textcoords="offset points", **words)  # type: ignore[arg-type]
 
 
 def _same_size(several: Sequence[Axes]) -> None:

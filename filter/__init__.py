@@ -1,11 +1,11 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
 Read the modules in this order: errors, arrays, angles, polygon, constraints, lp, solvers, polytope, measurements, team,
-sensing, motion, projection, pruning, belief, regions, set_membership.
+sensing, motion, projection, pruning, belief, regions, rejection, set_membership.
 """
 
 from filter.angles import AngularIntervals
-from filter.belief import Belief, Region, Source
+from filter.belief import Belief, Event, Fallback, Proof, Region, Rejected, Source
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
@@ -19,14 +19,18 @@ __all__ = [
     "Belief",
     "Compass",
     "CorralError",
+    "Event",
+    "Fallback",
     "Inconsistent",
     "InvalidInput",
     "Measurement",
     "Odometry",
     "OutOfOrder",
     "Polygon",
+    "Proof",
     "Range",
     "Region",
+    "Rejected",
     "SetMembershipFilter",
     "Source",
     "Stop",

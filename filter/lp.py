@@ -15,8 +15,10 @@ from scipy import sparse
 from filter.arrays import Array, Integers, Mask
 from filter.polygon import EPSILON
 
-# A multiplier below this share of the greatest one is what an interior-point solver leaves of a zero: it proves nothing.
-NEGLIGIBLE = 1e-7
+# What an interior-point solver leaves of a zero proves nothing: a multiplier is dropped where that costs less than this [m],
+NEGLIGIBLE = 1e-8
+# and less than this share of what the box allows anyway.
+NEGLIGIBLE_SHARE = 1e-7
 # Where products underflow, each is off by less than this; far below any length.
 TINY = float(np.finfo(float).tiny)
 
@@ -85,7 +87,11 @@ class LinearProgram:
             Every rounding error of the evaluation is bounded by its terms' magnitudes and added; docs/soundness.md
             derives by how much.
         """
-        y = np.where(np.isfinite(multipliers), np.maximum(multipliers, 0), 0)
+        with np.errstate(over="ignore", invalid="ignore"):  # multipliers that overflow bound nothing
+            bounds = self._bounds(objectives, np.where(np.isfinite(multipliers), np.maximum(multipliers, 0), 0))
+        return np.where(np.isnan(bounds), np.inf, bounds)
+
+    def _bounds(self, objectives: Array, y: Array) -> Array:
         transposed, magnitudes = self._transposed
         residual = objectives - (transposed @ y.T).T
         size = np.abs(objectives) + (magnitudes @ y.T).T
@@ -97,6 +103,17 @@ class LinearProgram:
         allowance = few + many + 2 * (y @ self._slack_rounding) + operations * TINY * (1 + self.radius.sum())
         rest = low + np.abs(residual) @ self.radius + y @ self.slack + allowance
         return np.asarray(np.nextafter(high + rest, np.inf))
+
+    def essential(self, objectives: Array, multipliers: Array) -> Array:
+        """Return (k, r) multipliers with the negligible and the non-finite ones set to 0: proofs that rest on few rows."""
+        y = np.where(np.isfinite(multipliers), multipliers, 0)
+        least = np.minimum(NEGLIGIBLE, NEGLIGIBLE_SHARE * (np.abs(objectives) @ self.radius))
+        return np.where(y > least[:, None] / np.maximum(self._reach, TINY), y, 0)
+
+    @cached_property
+    def _reach(self) -> Array:
+        """(r,) how far a row can vary within the box to either side [m]."""
+        return np.asarray(self._magnitudes @ self.radius)
 
     def proves_empty(self, multipliers: Array) -> bool:
         """Return whether (r,) multipliers are a Farkas certificate: they bound 0 . x below 0."""
@@ -131,12 +148,6 @@ class LinearProgram:
         terms = 8 + 2 * np.diff(self.A.indptr)
         doubt = self._slack_rounding + EPSILON * terms * (self._magnitudes @ np.abs(moved).T).T + terms * TINY
         return np.asarray(slack), np.asarray(doubt)
-
-
-def essential(multipliers: Array) -> Array:
-    """Return (k, r) multipliers with the negligible and the non-finite ones set to 0: a proof that rests on few rows."""
-    y = np.where(np.isfinite(multipliers), multipliers, 0)
-    return np.where(y > NEGLIGIBLE * y.max(axis=1, initial=0)[:, None], y, 0)
 
 
 def twice_precise_dot(a: Array, b: Array) -> tuple[Array, Array]:

@@ -27,6 +27,8 @@ Reason = Literal["performance ratio", "area gap", "searches", "exact", "solver"]
 NEGLIGIBLE = 1e-12
 # Across a set thinner than this share, the line between the first two points is rounding.
 THIN = 1e-6
+# What is divided by is never smaller [m].
+SMALLEST = 1e-100
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,8 @@ class Projection:
         inner_areas: (s,) area inside after each search, as the solver has it [m2].
         outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2].
         reason: Why the search ended; it went by the areas as the solver has them.
+        looseness: The most that what is proved in a direction differs from the point found for it, as a share of the
+            box's extent; infinite when the solver gave up. A guess of the answers' quality, no proof of anything.
     """
 
     outer: Polygon
@@ -84,6 +88,7 @@ class Projection:
     inner_areas: Array
     outer_areas: Array
     reason: Reason
+    looseness: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("edges", "directions", "multipliers", "inner_areas", "outer_areas"):
@@ -142,27 +147,45 @@ def project(
     directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
     points = np.array(search.points).reshape(-1, D.shape[1])
     multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
+    multipliers = program.essential(directions @ D, multipliers)
+    certified = certified_offsets(program, D, directions, multipliers)
     return Projection(
-        *_outer(program, D, directions, multipliers, known),
+        *_outer(program, D, (np.concatenate([directions, known[0]]), np.concatenate([certified, known[1]]))),
         _inner(program, D, points, interior),
         directions,
         multipliers,
         np.array(search.inner_areas),
         np.array(search.outer_areas),
         search.reason,
+        np.inf if search.reason == "solver" else _looseness(program, D, directions, points, certified),
     )
 
 
-def _outer(
-    program: LinearProgram, D: Array, directions: Array, multipliers: Array, known: HalfPlanes
-) -> tuple[Polygon, Integers]:
+def certified_offsets(program: LinearProgram, D: Array, directions: Array, multipliers: Array) -> Array:
+    """Return (s,) offsets of proved edges: direction . D x is nowhere greater in the program's polytope [m].
+
+    Args:
+        program: The polytope.
+        D: (2, v) the projection.
+        directions: (s, 2) normals of the edges.
+        multipliers: (s, r) candidates for the proofs, from wherever; bad ones give large offsets, none a wrong one.
+    """
+    return program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
+
+
+def _looseness(program: LinearProgram, D: Array, directions: Array, points: Array, certified: Array) -> float:
+    """Return the greatest gap between an edge and its point, relative to the box's extent in the edge's direction."""
+    extent = np.abs(directions @ D) @ program.radius
+    gap = np.abs(certified - ((points @ D.T) * directions).sum(axis=1))
+    rounding = 16 * EPSILON * np.abs(certified)
+    return float(np.max(np.where(gap > rounding, gap, 0) / np.maximum(extent + rounding, SMALLEST), initial=0))
+
+
+def _outer(program: LinearProgram, D: Array, edges: HalfPlanes) -> tuple[Polygon, Integers]:
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
     terms = 4 + np.count_nonzero(D, axis=1)
     reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
-    normals = np.concatenate([directions, known[0]])
-    certified = program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
-    offsets = np.concatenate([certified, known[1]])
-    kept = clip(normals, offsets, middle - reach, middle + reach)
+    kept = clip(*edges, middle - reach, middle + reach)
     # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
     return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
 

@@ -42,6 +42,7 @@ ORDER = [
     "pruning",
     "belief",
     "regions",
+    "rejection",
     "set_membership",
     "ekf",
     "watch",

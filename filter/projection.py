@@ -175,6 +175,8 @@ def certified_offsets(program: LinearProgram, D: Array, directions: Array, multi
 
 def _looseness(program: LinearProgram, D: Array, directions: Array, points: Array, certified: Array) -> float:
     """Return the greatest gap between an edge and its point, relative to the box's extent in the edge's direction."""
+    if not np.isfinite(certified).all():
+        return np.inf
     extent = np.abs(directions @ D) @ program.radius
     gap = np.abs(certified - ((points @ D.T) * directions).sum(axis=1))
     rounding = 16 * EPSILON * np.abs(certified)

@@ -85,7 +85,7 @@ def steps(found: Iterator[dict[str, Any]], count: list[int]) -> Iterator[list[di
         count[0] += 1
         try:
             check(line)
-        except (Broken, KeyError, IndexError, TypeError, ValueError) as error:
+        except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
             when = f"t = {float.fromhex(line['t'])} s, robot {line['robot']}" if {"t", "robot"} <= line.keys() else "no time"
             raise Broken(f"line {count[0]} ({when}): {error}") from None
         step.append(line)

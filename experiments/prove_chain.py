@@ -64,7 +64,7 @@ class Chain:
                 self._check_boxes(self._log, line)
                 for row, source in zip(line["rows"], line["sources"], strict=True):
                     self._check_row(self._log, row, source)
-            except (Broken, KeyError, ValueError) as error:
+            except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
                 raise Broken(f"t = {time} s, an edge of robot {line['robot']}: {error}") from None
             claim = line["robot"], plane(line["normal"])
             self._now[claim] = min(exact(line["offset"]), self._now.get(claim, exact(line["offset"])))

@@ -49,17 +49,17 @@ class Flip(ast.NodeTransformer):
             return True
         return False
 
-    def visit_UnaryOp(self, node):  # noqa: N802
+    def visit_UnaryOp(self, node):
         self.generic_visit(node)
         return node.operand if isinstance(node.op, ast.USub) and self._here(node) else node
 
-    def visit_BinOp(self, node):  # noqa: N802
+    def visit_BinOp(self, node):
         self.generic_visit(node)
         if type(node.op) in FLIPPED and self._here(node):
             node.op = FLIPPED[type(node.op)]()
         return node
 
-    def visit_Compare(self, node):  # noqa: N802
+    def visit_Compare(self, node):
         self.generic_visit(node)
         if type(node.ops[0]) in FLIPPED and self._here(node):
             node.ops[0] = FLIPPED[type(node.ops[0])]()

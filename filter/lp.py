@@ -21,6 +21,8 @@ NEGLIGIBLE = 1e-8
 NEGLIGIBLE_SHARE = 1e-7
 # Where products underflow, each is off by less than this; far below any length.
 TINY = float(np.finfo(float).tiny)
+# A matrix of no more entries is better filled up than sparse.
+SMALL = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +68,13 @@ class LinearProgram:
         return np.asarray(2 * EPSILON * np.abs(self.slack) + (terms * EPSILON) ** 2 * size + terms * TINY)
 
     @cached_property
-    def _magnitudes(self) -> sparse.csr_array:
-        return abs(self.A)
+    def _matrix(self) -> Array | sparse.csr_array:
+        """A, filled up with zeros where that is small: products are faster then, and zeros are no rounding."""
+        return self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= SMALL else self.A
 
     @cached_property
-    def _transposed(self) -> tuple[sparse.csr_array, sparse.csr_array]:
-        return sparse.csr_array(self.A.T), sparse.csr_array(self._magnitudes.T)
+    def _magnitudes(self) -> Array | sparse.csr_array:
+        return abs(self._matrix)
 
     def certified_bounds(self, objectives: Array, multipliers: Array) -> Array:
         """Return (k,) upper bounds of c . x over the polytope that hold in exact arithmetic [m].
@@ -92,9 +95,8 @@ class LinearProgram:
         return np.where(np.isnan(bounds), np.inf, bounds)
 
     def _bounds(self, objectives: Array, y: Array) -> Array:
-        transposed, magnitudes = self._transposed
-        residual = objectives - (transposed @ y.T).T
-        size = np.abs(objectives) + (magnitudes @ y.T).T
+        residual = objectives - (self._matrix.T @ y.T).T
+        size = np.abs(objectives) + (self._magnitudes.T @ y.T).T
         used = np.flatnonzero(objectives.any(axis=0))
         high, low = twice_precise_dot(objectives[:, used], np.broadcast_to(self.centre[used], (len(objectives), len(used))))
         few = ((8 + len(used)) * EPSILON) ** 2 * (np.abs(objectives[:, used]) @ np.abs(self.centre[used]))
@@ -144,7 +146,7 @@ class LinearProgram:
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
         """Return b - A x and the rounding in it, both (k, r)."""
         moved = points - self.centre
-        slack = self.slack - (self.A @ moved.T).T
+        slack = self.slack - (self._matrix @ moved.T).T
         terms = 8 + 2 * np.diff(self.A.indptr)
         doubt = self._slack_rounding + EPSILON * terms * (self._magnitudes @ np.abs(moved).T).T + terms * TINY
         return np.asarray(slack), np.asarray(doubt)

@@ -22,6 +22,8 @@ from filter.solvers import Chain, Solver, deepest_point, name_of
 
 # Where what is proved differs from what a solver found by more than this share of the box, another solver is asked.
 LOOSE = 1e-3
+# Boxes of so many robots are proved at a time.
+TOGETHER = 32
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
 SHARES = (1e-2, 1e-4, 1e-6, 0.0)
 
@@ -162,17 +164,23 @@ def _boxes(
         edged: (n) the edge of the outer polygon that each of these rows is.
     """
     lower, upper, proofs = polytope.lower.copy(), polytope.upper.copy(), []
-    for robot, (region, rows, edges) in enumerate(zip(regions, own, edged, strict=True)):
-        alone = Constraints(rows.i, np.zeros_like(rows.j), rows.normal, rows.offset, rows.source)
-        program = Polytope(alone, lower[[robot]], upper[[robot]]).program()
-        multipliers = _of_extreme_vertices(region.outer)[:, edges]
-        bounds = program.certified_bounds(SIDES, multipliers)
-        high, low = np.minimum(upper[robot], bounds[:2]), np.maximum(lower[robot], -bounds[2:])
-        if (low <= high).all():  # otherwise the polytope is empty, which is for the next update to prove and to explain
-            lower[robot], upper[robot] = low, high
-        claim, row = np.nonzero(multipliers)
-        whole = Polytope(rows, polytope.lower, polytope.upper)
-        proofs.append(Proof(whole, sources, np.full(4, robot), SIDES, bounds, claim, row, multipliers[claim, row]))
+    for first in range(0, len(regions), TOGETHER):
+        robots = np.arange(first, min(first + TOGETHER, len(regions)))
+        rows = Constraints.concatenate(own[first : first + TOGETHER])
+        multipliers = np.zeros((len(robots), 4, len(rows)))
+        for k, robot in enumerate(robots.tolist()):
+            multipliers[k][:, rows.j == robot] = _of_extreme_vertices(regions[robot].outer)[:, edged[robot]]
+        weights = multipliers.reshape(-1, len(rows))
+        among = Constraints(rows.i, rows.j - first, rows.normal, rows.offset, rows.source)
+        program = Polytope(among, polytope.lower[robots], polytope.upper[robots]).program()
+        bounds = program.certified_bounds(np.kron(np.eye(len(robots)), SIDES), weights)
+        high = np.minimum(upper[robots], bounds.reshape(-1, 4)[:, :2])
+        low = np.maximum(lower[robots], -bounds.reshape(-1, 4)[:, 2:])
+        good = robots[(low <= high).all(axis=1)]  # otherwise it is empty, which is for the next update to prove and to explain
+        lower[good], upper[good] = low[good - first], high[good - first]
+        claim, row = np.nonzero(weights)
+        whole, normals = Polytope(rows, polytope.lower, polytope.upper), np.tile(SIDES, (len(robots), 1))
+        proofs.append(Proof(whole, sources, np.repeat(robots, 4), normals, bounds, claim, row, weights[claim, row]))
     return lower, upper, proofs
 
 

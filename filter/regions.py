@@ -170,7 +170,7 @@ def _boxes(
         multipliers = np.zeros((len(robots), 4, len(rows)))
         for k, robot in enumerate(robots.tolist()):
             multipliers[k][:, rows.j == robot] = _of_extreme_vertices(regions[robot].outer)[:, edged[robot]]
-        weights = multipliers.reshape(-1, len(rows))
+        weights = multipliers.reshape(4 * len(robots), len(rows))
         among = Constraints(rows.i, rows.j - first, rows.normal, rows.offset, rows.source)
         program = Polytope(among, polytope.lower[robots], polytope.upper[robots]).program()
         bounds = program.certified_bounds(np.kron(np.eye(len(robots)), SIDES), weights)

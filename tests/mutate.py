@@ -32,8 +32,11 @@ FLIPPED = {
     ast.LtE: ast.GtE,
     ast.GtE: ast.LtE,
 }
-# Mutants that mean the same, or err outward by next to nothing, by their code before and after; each with the reason.
-EQUIVALENT: dict[str, str] = {}
+# Mutants that mean the same, by their code, each with the reason.
+EQUIVALENT = {
+    "angle = arcs.centre[which] - arcs.bound[which] * ((2 * place + 1) / count[which] - 1)": "the same tangents, back to front",
+    "direction = np.concatenate([angle, arcs.centre[near] - np.pi])": "half a turn either way is the same direction",
+}
 
 
 class Flip(ast.NodeTransformer):

@@ -16,7 +16,7 @@ from filter.arrays import Array, Integers, Mask
 from filter.polygon import EPSILON
 
 # What an interior-point solver leaves of a zero proves nothing: a multiplier is dropped where that costs less than this [m],
-NEGLIGIBLE = 1e-8
+NEGLIGIBLE = 1e-9
 # and less than this share of what the box allows anyway.
 NEGLIGIBLE_SHARE = 1e-7
 # Where products underflow, each is off by less than this; far below any length.

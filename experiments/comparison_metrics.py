@@ -58,7 +58,7 @@ def relative_regions(belief: Belief, pairs: Sequence[tuple[int, int]], team_filt
     """Return outer polygons around x_i - x_j for some pairs: the team's polytope projected onto each pair (eq. 3)."""
     planes = [relative_position(i, j, len(belief.regions)) for i, j in pairs]
     program, known = belief.polytope.program(), [NOTHING] * len(planes)
-    return [found.outer for found in project_all(program, planes, known, team_filter.solver, team_filter.stop).found]
+    return [found.outer for found in project_all(program, planes, known, team_filter.solvers, team_filter.stop).found]
 
 
 @dataclass

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.belief import Belief
+from filter.belief import Belief, Fallback, Rejected
 from sim.frame import Frame, Truth
 
 Value = float | int | str | bool | None
@@ -44,6 +44,8 @@ class Metrics:
         heading_escapes: Headings outside their interval.
         measurements: Numbers that were measured and merged: a compass reading, a bearing or a range counts one each.
         rows_max: Greatest number of constraints of a belief.
+        rejected: Measurements that were dropped for others to agree.
+        fallbacks: How often a solver's answers were no good.
     """
 
     steps: int = 0
@@ -53,6 +55,8 @@ class Metrics:
     heading_escapes: int = 0
     measurements: int = 0
     rows_max: int = 0
+    rejected: int = 0
+    fallbacks: int = 0
     _areas: list[float] = field(default_factory=list)
     _ratios: list[float] = field(default_factory=list)
     _searches: list[int] = field(default_factory=list)
@@ -73,6 +77,8 @@ class Metrics:
         self.steps += 1
         self.measurements += sum(len(record.robot) for record in frame.measurements)
         self.rows_max = max(self.rows_max, len(belief.constraints))
+        self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
+        self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
         self._seconds.append(seconds)
         for region in belief.regions:
             self._areas.append(region.outer.area)
@@ -106,6 +112,8 @@ class Metrics:
             "heading_checks": self.heading_checks,
             "heading_escapes": self.heading_escapes,
             "measurements": self.measurements,
+            "rejected": self.rejected,
+            "solver_fallbacks": self.fallbacks,
             "outer_area_mean_m2": _mean(self._areas),
             "outer_area_p95_m2": _quantile(self._areas, 0.95),
             "performance_ratio_mean": _mean(self._ratios),

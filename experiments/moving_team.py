@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from experiments.certificates import Certificates
 from experiments.command import command
 from experiments.log import LogWriter
 from experiments.metrics import Escapes, Metrics, Value
@@ -22,7 +24,7 @@ from experiments.terminal import StepProgress, print_table, tell
 from experiments.viewer import open_viewer
 from filter.errors import Inconsistent, InvalidInput
 from filter.projector import EXACT
-from filter.set_membership import SetMembershipFilter
+from filter.set_membership import Policy, SetMembershipFilter
 from sim.episode import MeasurementChoice, episode
 from sim.errors import ErrorKind
 
@@ -55,6 +57,10 @@ class Options:
     """all; absolute: none from robot to robot; none: odometry and compass alone."""
     out: Path = Path("runs/moving_team")
     """Folder for summary, log, trajectories and recording."""
+    policy: Policy = "raise"
+    """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them."""
+    certificates: bool = False
+    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
     view: bool = False
     """Show the run in a live viewer while it goes on."""
     camera: bool = False
@@ -81,7 +87,7 @@ def run(options: Options) -> int:
         CorralError: An option, the log, or the output folder cannot be used.
     """
     scenario = scenario_of(options)
-    team_filter = SetMembershipFilter(scenario.team, options.solver)
+    team_filter = SetMembershipFilter(scenario.team, options.solver, policy=options.policy)
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)
     conflict = following.run(team_filter)
@@ -112,7 +118,10 @@ def scenario_of(options: Options) -> Scenario:
     for field in fields(Options):
         simulates = field.name in ("robots", "duration", "rate", "seed", "errors", "measurements", "camera")
         if simulates and getattr(options, field.name) != field.default:
-            raise InvalidInput("a log to decide everything but --solver, --out and --view", f"--{field.name} with --replay")
+            raise InvalidInput(
+                "a log to decide everything but --solver, --policy, --certificates, --out and --view",
+                f"--{field.name} with --replay",
+            )
     if options.replay.resolve() == (options.out / LOG).resolve():
         raise InvalidInput("another --out than the folder of the replayed log", str(options.out))
     return from_log(options.replay)
@@ -138,6 +147,7 @@ class Following:
             camera=options.camera,
             viewer=viewer,
         )
+        self._certificates = Certificates(folder) if options.certificates else None
         self._pictured = -PICTURE_EVERY
 
     def run(self, team_filter: SetMembershipFilter) -> str | None:
@@ -146,7 +156,8 @@ class Following:
         Raises:
             CorralError: A frame cannot be used.
         """
-        with self._log, self._recording, self._trajectories, StepProgress(self._scenario.count) as progress:
+        certificates, progress = self._certificates or nullcontext(), StepProgress(self._scenario.count)
+        with self._log, self._recording, self._trajectories, certificates, progress:
             try:
                 for step in steps(team_filter, self._scenario, self._log):
                     self._keep(step)
@@ -160,6 +171,10 @@ class Following:
         escapes = self.metrics.add(step.frame, step.belief, step.seconds)
         self._recording.add(step.frame, step.belief)
         self._trajectories.write(step.frame, step.belief)
+        if self._certificates:
+            self._certificates.write(step.belief)
+        for event in step.belief.events:
+            self._recording.event(str(event), "WARN")
         for words in self._contacts.changes(step.frame):
             self._recording.event(words)
         self._report(escapes)
@@ -184,6 +199,7 @@ def summary_of(options: Options, scenario: Scenario, metrics: Metrics) -> dict[s
         "seed": options.seed if simulated else None,
         "errors": options.errors if simulated else None,
         "solver": options.solver,
+        "policy": options.policy,
         "measurements_mode": options.measurements if simulated else None,
         "replay": None if simulated else str(options.replay),
         **metrics.summary(),

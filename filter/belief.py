@@ -1,4 +1,4 @@
-"""What is known at one time: the polytope, the headings, and a region for each robot."""
+"""What is known at one time: the polytope, the headings, a region for each robot, why, and what happened on the way."""
 
 from __future__ import annotations
 
@@ -78,6 +78,84 @@ class Sources:
         return Sources(*(getattr(self, column.name)[numbers] for column in fields(self)))
 
 
+@dataclass(frozen=True)
+class Rejected:
+    """A measurement that was dropped, as the filter's policy says, for measurements to agree again.
+
+    Attributes:
+        source: What was dropped.
+        conflict: What was proved to exclude one another, the dropped one with it or resting on it.
+    """
+
+    source: Source
+    conflict: tuple[Source, ...]
+
+    def __str__(self) -> str:
+        return f"rejected {self.source}; in conflict: {'; '.join(map(str, self.conflict))}"
+
+
+@dataclass(frozen=True)
+class Fallback:
+    """A solver's answers were no good, and others were asked for.
+
+    Attributes:
+        robot: Whose region was searched, or None for the deepest point of the whole team.
+        failed: The solvers whose answers were no good, in the order they were asked.
+        used: The solver whose answers were good, or None: what is proved anyway, and what was propagated, has to do.
+    """
+
+    robot: int | None
+    failed: tuple[str, ...]
+    used: str | None
+
+    def __str__(self) -> str:
+        what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
+        return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
+
+
+Event = Rejected | Fallback
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """Claims that everything in a polytope satisfies normal . x_robot <= offset, with the multipliers that prove them.
+
+    A claim holds because, with the multipliers y of its rows, the normal c and the box,
+    the greatest value of (c - A'y) . x over the box, plus y . b, is no greater than its offset: in exact arithmetic.
+
+    Attributes:
+        polytope: Rows and box; its rows' sources are numbers in the table below.
+        sources: What produced the rows.
+        robot: (k,) of whom each claim is.
+        normal: (k, 2).
+        offset: (k,) [m].
+        claim: (m,) claim that each multiplier belongs to.
+        row: (m,) row of the polytope that each multiplier belongs to.
+        multiplier: (m,) above 0.
+    """
+
+    polytope: Polytope
+    sources: Sources
+    robot: Integers
+    normal: Array
+    offset: Array
+    claim: Integers
+    row: Integers
+    multiplier: Array
+
+    def __post_init__(self) -> None:
+        for name in ("robot", "normal", "offset", "claim", "row", "multiplier"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def __len__(self) -> int:
+        return len(self.offset)
+
+    def rests_on(self, claim: int) -> tuple[Integers, Array]:
+        """Return the rows that a claim is proved from, and their multipliers."""
+        where = np.flatnonzero(self.claim == claim)
+        return self.row[where], self.multiplier[where]
+
+
 @dataclass(frozen=True, eq=False)
 class Region:
     """Where one robot is.
@@ -116,6 +194,9 @@ class Belief:
         headings: (n) arcs that contain the robots' headings.
         regions: (n) where each robot is.
         sources: What produced the rows and the edges.
+        events: What the last update dropped, and where its solvers failed.
+        proofs: Why every edge of every region holds, and every side of the polytope's box, as of the last update; none
+            after a prediction.
     """
 
     time: float
@@ -123,22 +204,19 @@ class Belief:
     headings: AngularIntervals
     regions: tuple[Region, ...]
     sources: Sources
+    events: tuple[Event, ...] = ()
+    proofs: tuple[Proof, ...] = ()
 
-    @classmethod
-    def compact(
-        cls, time: float, polytope: Polytope, headings: AngularIntervals, regions: tuple[Region, ...], sources: Sources
-    ) -> Belief:
-        """Return a belief whose table holds only the sources that its rows and edges name."""
-        rows = polytope.constraints
-        used = np.unique(
-            np.concatenate([rows.source, polytope.origin, *(cause for region in regions for cause in region.causes)])
-        )
+    def compact(self) -> Belief:
+        """Return the same with a table that holds only the sources that rows, edges and boxes name."""
+        rows, origin, regions = self.polytope.constraints, self.polytope.origin, self.regions
+        used = np.unique(np.concatenate([rows.source, origin, *(cause for region in regions for cause in region.causes)]))
         regions = tuple(
             replace(region, causes=tuple(np.searchsorted(used, cause) for cause in region.causes)) for region in regions
         )
         renumbered = replace(rows, source=np.searchsorted(used, rows.source))
-        origin = np.searchsorted(used, polytope.origin)
-        return cls(time, replace(polytope, constraints=renumbered, origin=origin), headings, regions, sources.select(used))
+        polytope = replace(self.polytope, constraints=renumbered, origin=np.searchsorted(used, origin))
+        return replace(self, polytope=polytope, regions=regions, sources=self.sources.select(used))
 
     @property
     def constraints(self) -> Constraints:

@@ -8,8 +8,8 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.lp import LinearProgram
-from filter.plane import area_of, worthy
-from filter.projection import NOTHING, HalfPlanes, Projection, Stop, inner_polygon, outer_polygon
+from filter.plane import EPSILON, area_of, worthy
+from filter.projection import NOTHING, HalfPlanes, Projection, Stop, certified_offsets, inner_polygon, outer_polygon
 from filter.scaling import ScaledProgram
 from filter.shadow import no_trace, turn
 from filter.simplex import EMPTY, FOUND, OUTWARD, Basis, Rows, become_feasible, corner
@@ -18,7 +18,10 @@ from filter.simplex import EMPTY, FOUND, OUTWARD, Basis, Rows, become_feasible, 
 LONGEST, LONGEST_EACH = 400, 50
 # An edge that is certified this much farther out than it was found, relative to the box, shows that the walk went wrong.
 LOOSE = 1e-7
+ROUNDING = 64 * EPSILON  # of a point far from the origin
 SMALLEST = 1e-100  # keeps a quotient finite
+# A vertex that violates a row by more than this share of the box shows the same.
+STRAYED = 1e-8
 # Edges whose normals turn by less are one.
 SAME = 1e-13
 
@@ -49,7 +52,7 @@ class Walker:
         Args:
             program: With at most four non-zeros in a row.
         """
-        self._program = program
+        self.program = program
         self._scaled = ScaledProgram.of(program)
         self._rows = _rows(self._scaled)
         self._limit = LONGEST + LONGEST_EACH * len(self._scaled.free)
@@ -80,7 +83,8 @@ class Walker:
             return None
         self._objective = first
         count = int(trace.filled[0])
-        if count == LONGEST:
+        if count == LONGEST or not self._holds(trace.point[:count]):
+            self._basis = None
             return None
         points = self._scaled.points(trace.point[:count])
         unit = float(np.prod(size))  # what an area in the scaled plane stands for [m2]
@@ -92,6 +96,10 @@ class Walker:
             _dense(trace.basic[kept], trace.prices[kept], len(self._scaled.live)), 1 / length
         )
         return Shadow(directions, multipliers, points, ((points[kept] @ D.T) * directions).sum(axis=1))
+
+    def _holds(self, points: Array) -> bool:
+        """Return whether the walk has kept to the polytope: a point beyond it makes a bound that is right but far off."""
+        return bool(((self._scaled.G @ points.T).T - self._scaled.h <= STRAYED).all() and (np.abs(points) <= 1 + STRAYED).all())
 
     def _begin(self) -> None:
         variables = len(self._scaled.free)
@@ -125,12 +133,15 @@ def project_exactly(
         interior: (v,) a point of the polytope, to pull the inner points to [m]; None for no inner polygon.
         known: Half-planes that contain the projection anyway; they cut the outer polygon.
     """
-    outer, edges, certified = outer_polygon(program, D, shadow.directions, shadow.multipliers, known)
-    if (certified - shadow.reached > LOOSE * (np.abs(D) @ program.radius).max()).any():
+    certified = certified_offsets(program, D, shadow.directions, shadow.multipliers)
+    allowed = LOOSE * (np.abs(D) @ program.radius).max() + ROUNDING * (np.abs(D) @ np.abs(program.centre)).max()
+    if not (certified - shadow.reached <= allowed).all():
         return None
     inner = None if interior is None else inner_polygon(program, D, shadow.points, interior)
-    nothing = np.zeros(0)
-    return Projection(outer, edges, inner, shadow.directions, shadow.multipliers, nothing, nothing, "exact")
+    nothing, edges = np.zeros(0), (shadow.directions, certified)
+    return Projection(
+        *outer_polygon(program, D, edges, known), inner, shadow.directions, shadow.multipliers, nothing, nothing, "exact"
+    )
 
 
 def _rows(scaled: ScaledProgram) -> Rows:

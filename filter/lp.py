@@ -12,11 +12,17 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array, Mask
+from filter.arrays import Array, Integers, Mask
 from filter.plane import EPSILON
 
-# Rounding of a few operations on entries of at most four non-zeros; each operation is off by EPSILON / 2 at most.
-FEW = 16 * EPSILON
+# What an interior-point solver leaves of a zero proves nothing: a multiplier is dropped where that costs less than this [m],
+NEGLIGIBLE = 1e-9
+# and less than this share of what the box allows anyway.
+NEGLIGIBLE_SHARE = 1e-7
+# Where products underflow, each is off by less than this; far below any length.
+TINY = float(np.finfo(float).tiny)
+# A matrix of no more entries is better filled up than sparse.
+SMALL = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +30,7 @@ class LinearProgram:
     """The polytope {x : A x <= b, lower <= x <= upper}, every bound finite.
 
     Attributes:
-        A: (r, v) rows with at most four non-zeros.
+        A: (r, v) rows.
         b: (r,) offsets [m].
         lower: (v,) [m].
         upper: (v,) [m].
@@ -48,20 +54,27 @@ class LinearProgram:
 
     @cached_property
     def slack(self) -> Array:
-        """(r,) b - A centre, to rounding [m]."""
-        return np.asarray(self.b - self.A @ self.centre)
+        """(r,) b - A centre, as if computed in twice the precision and then rounded [m]."""
+        values, places = _rectangular(self.A)
+        high, low = twice_precise_dot(
+            np.column_stack([self.b, values]), np.column_stack([np.ones(len(self.b)), -self.centre[places]])
+        )
+        return np.asarray(high + low)
 
     @cached_property
     def _slack_rounding(self) -> Array:
-        return np.asarray(FEW * (np.abs(self.b) + self._magnitudes @ np.abs(self.centre)))
+        terms = 1 + np.diff(self.A.indptr)
+        size = np.abs(self.b) + self._magnitudes @ np.abs(self.centre)
+        return np.asarray(2 * EPSILON * np.abs(self.slack) + (terms * EPSILON) ** 2 * size + terms * TINY)
 
     @cached_property
-    def _magnitudes(self) -> sparse.csr_array:
-        return abs(self.A)
+    def _matrix(self) -> Array | sparse.csr_array:
+        """A, filled up with zeros where that is small: products are faster then, and zeros are no rounding."""
+        return self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= SMALL else self.A
 
     @cached_property
-    def _transposed(self) -> tuple[sparse.csr_array, sparse.csr_array]:
-        return sparse.csr_array(self.A.T), sparse.csr_array(self._magnitudes.T)
+    def _magnitudes(self) -> Array | sparse.csr_array:
+        return abs(self._matrix)
 
     def certified_bounds(self, objectives: Array, multipliers: Array) -> Array:
         """Return (k,) upper bounds of c . x over the polytope that hold in exact arithmetic [m].
@@ -74,17 +87,35 @@ class LinearProgram:
             For any y >= 0 and x in the polytope, with centre x0 and radius w,
             c.x = c.x0 + (c - A'y).(x - x0) + y.(A x - A x0) <= c.x0 + |c - A'y|.w + y.(b - A x0)
             (Neumaier and Shcherbina, Safe bounds in linear and mixed-integer linear programming, 2004).
-            Every rounding error of the evaluation is bounded by its terms' magnitudes and added.
+            Every rounding error of the evaluation is bounded by its terms' magnitudes and added; docs/soundness.md
+            derives by how much.
         """
-        y = np.where(np.isfinite(multipliers), np.maximum(multipliers, 0), 0)
-        transposed, magnitudes = self._transposed
-        residual = objectives - (transposed @ y.T).T
-        size = np.abs(objectives) + (magnitudes @ y.T).T
-        bound = objectives @ self.centre + np.abs(residual) @ self.radius + y @ self.slack
-        entries = 8 + np.count_nonzero(objectives, axis=1)
-        few = 2 * EPSILON * entries * (np.abs(objectives) @ np.abs(self.centre)) + 2 * (y @ self._slack_rounding)
-        many = 2 * (len(self.b) + len(self.centre)) * EPSILON * (size @ self.radius + y @ np.abs(self.slack))
-        return np.asarray(np.nextafter(bound + few + many, np.inf))
+        with np.errstate(over="ignore", invalid="ignore"):  # multipliers that overflow bound nothing
+            bounds = self._bounds(objectives, np.where(np.isfinite(multipliers), np.maximum(multipliers, 0), 0))
+        return np.where(np.isnan(bounds), np.inf, bounds)
+
+    def _bounds(self, objectives: Array, y: Array) -> Array:
+        residual = objectives - (self._matrix.T @ y.T).T
+        size = np.abs(objectives) + (self._magnitudes.T @ y.T).T
+        used = np.flatnonzero(objectives.any(axis=0))
+        high, low = twice_precise_dot(objectives[:, used], np.broadcast_to(self.centre[used], (len(objectives), len(used))))
+        few = ((8 + len(used)) * EPSILON) ** 2 * (np.abs(objectives[:, used]) @ np.abs(self.centre[used]))
+        operations = 8 + len(self.b) + len(self.centre)
+        many = 2 * operations * EPSILON * (size @ self.radius + y @ np.abs(self.slack))
+        allowance = few + many + 2 * (y @ self._slack_rounding) + operations * TINY * (1 + self.radius.sum())
+        rest = low + np.abs(residual) @ self.radius + y @ self.slack + allowance
+        return np.asarray(np.nextafter(high + rest, np.inf))
+
+    def essential(self, objectives: Array, multipliers: Array) -> Array:
+        """Return (k, r) multipliers with the negligible and the non-finite ones set to 0: proofs that rest on few rows."""
+        y = np.where(np.isfinite(multipliers), multipliers, 0)
+        least = np.minimum(NEGLIGIBLE, NEGLIGIBLE_SHARE * (np.abs(objectives) @ self.radius))
+        return np.where(y > least[:, None] / np.maximum(self._reach, TINY), y, 0)
+
+    @cached_property
+    def _reach(self) -> Array:
+        """(r,) how far a row can vary within the box to either side [m]."""
+        return np.asarray(self._magnitudes @ self.radius)
 
     def proves_empty(self, multipliers: Array) -> bool:
         """Return whether (r,) multipliers are a Farkas certificate: they bound 0 . x below 0."""
@@ -105,7 +136,8 @@ class LinearProgram:
         inside = np.clip(points, self.lower, self.upper)
         slack, doubt = self._slack_at(inside)
         room = self._slack_at(interior[None])[0]
-        lacking = 4 * doubt - slack
+        grid = 2 * EPSILON * (self._magnitudes @ (np.abs(inside) + np.abs(interior)).T).T  # of coordinates themselves
+        lacking = 4 * doubt + np.where(self._exact, 0.0, grid) - slack
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(lacking > 0, lacking / (room - slack), 0).max(axis=1, initial=0)[:, None]
         moved = inside + np.clip(share, 0, 1) * (interior - inside)
@@ -122,6 +154,43 @@ class LinearProgram:
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
         """Return b - A x at points (k, v) of the box, and the rounding in it, both (k, r)."""
         moved = points - self.centre
-        slack = self.slack - (self.A @ moved.T).T
-        doubt = self._slack_rounding + FEW * (self._magnitudes @ (np.abs(moved) + EPSILON * np.abs(points)).T).T
+        slack = self.slack - (self._matrix @ moved.T).T
+        terms = 8 + 2 * np.diff(self.A.indptr)
+        doubt = self._slack_rounding + EPSILON * terms * (self._magnitudes @ np.abs(moved).T).T + terms * TINY
         return np.asarray(slack), np.where(self._exact, 0.0, doubt)
+
+
+def twice_precise_dot(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return (k,) high and low parts of the dot products of the rows of a and b, both (k, n), each entry below 1e140.
+
+    The high part is the sum in floating point, the low part the errors made, themselves summed in floating point. Their
+    sum is off by (n EPSILON)^2 / 2 of the sum of |a_j b_j| at most, underflow aside
+    (Ogita, Rump and Oishi, Accurate sum and dot product, 2005, algorithm Dot2).
+    """
+    product = a * b
+    (a_high, a_low), (b_high, b_low) = _split(a), _split(b)
+    error = a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
+    high, low = np.zeros(len(a)), error.sum(axis=1)
+    for term in product.T:
+        total = high + term
+        part = total - high
+        low += (high - (total - part)) + (term - part)
+        high = total
+    return high, low
+
+
+def _split(a: Array) -> tuple[Array, Array]:
+    """Return a as the sum of two numbers of half the digits (Veltkamp)."""
+    scaled = (2.0**27 + 1) * a
+    high = scaled - (scaled - a)
+    return high, a - high
+
+
+def _rectangular(matrix: sparse.csr_array) -> tuple[Array, Integers]:
+    """Return the entries of each row and their columns, both (r, n), filled up with zeros in column 0."""
+    counts = np.diff(matrix.indptr)
+    rows = np.repeat(np.arange(len(counts)), counts)
+    places = np.arange(matrix.nnz) - np.repeat(matrix.indptr[:-1], counts)
+    values, columns = np.zeros((len(counts), counts.max(initial=0))), np.zeros((len(counts), counts.max(initial=0)), np.int64)
+    values[rows, places], columns[rows, places] = matrix.data, matrix.indices
+    return values, columns

@@ -23,6 +23,9 @@ NOTHING: HalfPlanes = (np.zeros((0, 2)), np.zeros(0))
 
 Reason = Literal["performance ratio", "area gap", "searches", "time", "exact", "solver"]
 
+# What is divided by is never smaller [m].
+SMALLEST = 1e-100
+
 
 @dataclass(frozen=True)
 class Stop:
@@ -86,6 +89,8 @@ class Projection:
         inner_areas: (s,) area inside after each search, as the solver has it [m2]; (0,) where nothing was searched.
         outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2]; or (0,).
         reason: Why the search ended, by the areas as the solver has them.
+        looseness: The most that what is proved in a direction differs from the point found for it, as a share of the
+            box's extent; infinite when the solver gave up. A guess of the answers' quality, no proof of anything.
     """
 
     outer: Polygon
@@ -96,6 +101,7 @@ class Projection:
     inner_areas: Array
     outer_areas: Array
     reason: Reason
+    looseness: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("edges", "directions", "multipliers", "inner_areas", "outer_areas"):
@@ -131,31 +137,41 @@ def relative_position(i: int, j: int, robots: int) -> Array:
     return position(i, robots) - position(j, robots)
 
 
-def outer_polygon(
-    program: LinearProgram, D: Array, directions: Array, multipliers: Array, known: HalfPlanes
-) -> tuple[Polygon, Integers, Array]:
-    """Return a polygon around the projection {D x}: proved, whatever the multipliers are.
+def certified_offsets(program: LinearProgram, D: Array, directions: Array, multipliers: Array) -> Array:
+    """Return (s,) offsets of proved edges: direction . D x is nowhere greater in the program's polytope [m].
 
     Args:
-        program: What is projected.
-        D: (2, v).
-        directions: (s, 2) of the edges, of length 1.
-        multipliers: (s, r) their proofs.
-        known: Half-planes that contain the projection anyway.
+        program: The polytope.
+        D: (2, v) the projection.
+        directions: (s, 2) normals of the edges.
+        multipliers: (s, r) candidates for the proofs, from wherever; bad ones give large offsets, none a wrong one.
+    """
+    return program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
 
-    Returns:
-        The polygon; the direction behind each of its edges, from s on the known half-planes, negative for the program's
-        box; and the (s,) certified bounds of the directions [m].
+
+def looseness(program: LinearProgram, D: Array, directions: Array, points: Array, certified: Array) -> float:
+    """Return the greatest gap between (s,) edges and their (s, v) points, as a share of the extent of the box there."""
+    if not np.isfinite(certified).all():
+        return np.inf
+    extent = np.abs(directions @ D) @ program.radius
+    gap = np.abs(certified - ((points @ D.T) * directions).sum(axis=1))
+    rounding = 16 * EPSILON * np.abs(certified)
+    return float(np.max(np.where(gap > rounding, gap, 0) / np.maximum(extent + rounding, SMALLEST), initial=0))
+
+
+def outer_polygon(program: LinearProgram, D: Array, edges: HalfPlanes, known: HalfPlanes) -> tuple[Polygon, Integers]:
+    """Return a polygon around the projection {D x}, and what is behind each of its edges.
+
+    That is one of the s proved edges, from s on one of the half-planes that are known to contain the projection anyway,
+    or, negative, a side of the program's box.
     """
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
     terms = 4 + np.count_nonzero(D, axis=1)
     reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
-    certified = program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
-    normals, offsets = np.concatenate([directions, known[0]]), np.concatenate([certified, known[1]])
+    normals, offsets = np.concatenate([edges[0], known[0]]), np.concatenate([edges[1], known[1]])
     # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
     kept = clip(normals, offsets, middle - reach, middle + reach)
-    outer, edges = kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
-    return outer, edges, certified
+    return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
 
 
 def _rounding_of_objectives(program: LinearProgram, D: Array, directions: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Several projections of one program, by the way the caller chose."""
+"""Several projections of one program, by the ways the caller chose: where one fails, by the next."""
 
 from __future__ import annotations
 
@@ -12,11 +12,26 @@ from filter.exact import Walker, project_exactly
 from filter.lp import LinearProgram
 from filter.projection import HalfPlanes, Projection, Stop
 from filter.search import project
-from filter.solvers import deepest_point, workspace
+from filter.solvers import Candidate, Chain, Solver, deepest_point, name_of
 
 EXACT = "exact"  # no solver: a walk over the vertices
-# The solver of the search that stands in for a walk that is lost.
-STAND_IN = "piqp"
+# Where what is proved differs from what a solver found by more than this share of the box, another solver is asked.
+LOOSE = 1e-3
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Answers that were no good.
+
+    Attributes:
+        plane: Of which projection, or None for the deepest point.
+        failed: Whose, in the order they were asked.
+        used: Whose answers were good, or None.
+    """
+
+    plane: int | None
+    failed: tuple[str, ...]
+    used: str | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,29 +40,39 @@ class Projections:
 
     Attributes:
         found: One for each plane; none when the program is empty.
+        failures: Where solvers failed.
         contradiction: (r,) multipliers that prove that the program is empty, or None.
     """
 
-    found: tuple[Projection, ...]
+    found: tuple[Projection, ...] = ()
+    failures: tuple[Failure, ...] = ()
     contradiction: Array | None = None
 
 
 def project_all(
-    program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], solver: str, stop: Stop
+    program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], solvers: Sequence[Solver], stop: Stop
 ) -> Projections:
     """Project a program onto several planes.
+
+    The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
+    is taken; with what is known anyway it is always a region, only a larger one.
 
     Args:
         program: The polytope.
         planes: D (2, v) for each.
         known: For each, half-planes that contain the projection anyway.
-        solver: "exact" for walks over the vertices, or the name of a solver for searches.
-        stop: When a search ends.
+        solvers: What searches; the first may be "exact", for walks over the vertices.
+        stop: When a projection is good enough.
     """
     broken = _broken_row(program)
     if broken is not None:
-        return Projections((), broken)
-    return _walked(program, planes, known, stop) if solver == EXACT else _searched(program, planes, known, solver, stop)
+        return Projections(contradiction=broken)
+    if solvers[0] != EXACT:
+        return _searched(program, planes, known, solvers, stop)
+    walker = Walker(program)
+    if walker.contradiction is not None and program.proves_empty(walker.contradiction):
+        return Projections(contradiction=walker.contradiction)
+    return _walked(walker, planes, known, solvers, stop)
 
 
 def _broken_row(program: LinearProgram) -> Array | None:
@@ -60,42 +85,91 @@ def _broken_row(program: LinearProgram) -> Array | None:
     return multipliers if program.proves_empty(multipliers) else None
 
 
-def _searched(
-    program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], solver: str, stop: Stop
+def _walked(
+    walker: Walker, planes: Sequence[Array], known: Sequence[HalfPlanes], solvers: Sequence[Solver], stop: Stop
 ) -> Projections:
-    deepest = deepest_point(program, solver)
-    if deepest is not None and program.proves_empty(deepest.multipliers):
-        return Projections((), deepest.multipliers)
-    interior = program.centre if deepest is None else deepest.point
-    one = workspace(program, solver)
-    pairs = zip(planes, known, strict=True)
-    return Projections(tuple(project(program, one, D, interior, stop=stop, known=lines) for D, lines in pairs))
-
-
-def _walked(program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], stop: Stop) -> Projections:
-    walker = Walker(program)
-    if walker.contradiction is not None and program.proves_empty(walker.contradiction):
-        return Projections((), walker.contradiction)
+    program = walker.program
     shadows = [walker.shadow(D, stop) for D in planes]
-    interior = _interior(program, [shadow.points for shadow in shadows if shadow])
-    found = [
-        shadow and project_exactly(program, shadow, D, interior, lines)
-        for shadow, D, lines in zip(shadows, planes, known, strict=True)
-    ]
+    middle = _middle(program, [shadow.points for shadow in shadows if shadow])
+    interior = middle if middle is not None else _interior(program, solvers[1:]).point
+    trios = zip(shadows, planes, known, strict=True)
+    found = [shadow and project_exactly(program, shadow, D, interior, lines) for shadow, D, lines in trios]
     lost = [k for k, each in enumerate(found) if each is None]
-    if lost:
-        instead = _searched(program, [planes[k] for k in lost], [known[k] for k in lost], STAND_IN, stop)
-        if instead.contradiction is not None:
-            return instead
-        found = [each or instead.found[lost.index(k)] for k, each in enumerate(found)]
-    return Projections(tuple(each for each in found if each))
+    if not lost:
+        return Projections(tuple(each for each in found if each))
+    instead = _searched(program, [planes[k] for k in lost], [known[k] for k in lost], solvers[1:], stop)
+    if instead.contradiction is not None:
+        return instead
+    used = {failure.plane: failure for failure in instead.failures}
+    failures = [used.get(None)] if None in used else []
+    for place, k in enumerate(lost):
+        failed = used.get(place, Failure(place, (), name_of(solvers[1]) if solvers[1:] else None))
+        failures.append(Failure(k, (EXACT, *failed.failed), failed.used))
+        found[k] = instead.found[place]
+    return Projections(tuple(each for each in found if each), tuple(each for each in failures if each))
 
 
-def _interior(program: LinearProgram, points: Sequence[Array]) -> Array | None:
-    """Return the middle of the vertices (p, v) that were seen, if it is inside for sure; else the deepest point, or None."""
-    if points:
-        middle = np.asarray(np.concatenate(points).mean(axis=0))
-        if program.holds(middle[None])[0]:
-            return middle
-    deepest = deepest_point(program, STAND_IN)
-    return None if deepest is None else deepest.point
+def _middle(program: LinearProgram, points: Sequence[Array]) -> Array | None:
+    """Return the middle of the vertices (p, v) that were seen, if it is inside for sure."""
+    middle = np.concatenate(points).mean(axis=0) if points else program.centre
+    return middle if program.holds(middle[None])[0] else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Interior:
+    point: Array
+    contradiction: Array | None = None
+    failures: tuple[Failure, ...] = ()
+
+
+def _interior(program: LinearProgram, solvers: Sequence[Solver]) -> _Interior:
+    """Return the first point that is proved to be inside, or at least some point, or a proof that there is none."""
+    points = [program.centre]
+    failed: list[str] = []
+    for solver in solvers:
+        found = deepest_point(program, solver)
+        if found is not None and program.proves_empty(found.multipliers):
+            return _Interior(found.point, found.multipliers)
+        if found is not None and program.holds(found.point[None])[0]:
+            return _Interior(found.point, None, (Failure(None, tuple(failed), name_of(solver)),) if failed else ())
+        points += [found.point] if found is not None else []
+        failed.append(name_of(solver))
+    return _Interior(points[-1], None, (Failure(None, tuple(failed), None),))
+
+
+def _searched(
+    program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], solvers: Sequence[Solver], stop: Stop
+) -> Projections:
+    inside = _interior(program, solvers)
+    if inside.contradiction is not None:
+        return Projections(contradiction=inside.contradiction)
+    chain = Chain(program, solvers)
+    found, failures = [], list(inside.failures)
+    for k, (D, lines) in enumerate(zip(planes, known, strict=True)):
+        one, failed, used = _projected(chain, D, lines, inside.point, stop)
+        found.append(one)
+        failures += [Failure(k, failed, used)] if failed else []
+    return Projections(tuple(found), tuple(failures))
+
+
+def _projected(
+    chain: Chain, D: Array, known: HalfPlanes, interior: Array, stop: Stop
+) -> tuple[Projection, tuple[str, ...], str | None]:
+    """Return a projection by the first solver whose answers are good, or the least one of all; who failed; who did not."""
+    tried: list[Projection] = []
+    failed: list[str] = []
+    for name, solver in chain:
+        found = project(chain.program, solver, D, interior, stop=stop, known=known)
+        if found.looseness <= LOOSE:
+            return found, tuple(failed), name
+        tried.append(found)
+        failed.append(name)
+    tried = tried or [project(chain.program, _Nobody(), D, interior, stop=stop, known=known)]
+    return min(tried, key=lambda one: one.outer.area), tuple(failed), None
+
+
+class _Nobody:
+    """Stands where there is no solver."""
+
+    def maximize(self, objective: Array) -> Candidate | None:  # noqa: ARG002
+        return None

@@ -5,19 +5,26 @@ The outer polygon's edges become rows themselves: that is how the team's knowled
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.belief import Region, Sources
+from filter.belief import Event, Fallback, Proof, Region, Sources
 from filter.constraints import WORLD, Constraints
 from filter.errors import Inconsistent
-from filter.polygon import Polygon
+from filter.lp import LinearProgram
+from filter.polygon import SIDES, Polygon
 from filter.polytope import Polytope
 from filter.projection import Projection, Stop, position
 from filter.projector import project_all
+from filter.solvers import Solver
 
-# A row is a cause when its multiplier is above this share of the greatest one: what a solver leaves at less is its rounding.
-CAUSE = 1e-6
+# Boxes of so many robots are proved at a time.
+TOGETHER = 32
+# A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
+SHARES = (1e-2, 1e-4, 1e-6, 0.0)
 
 
 def regions_at_a_glance(polytope: Polytope) -> tuple[Region, ...]:
@@ -31,14 +38,30 @@ def regions_at_a_glance(polytope: Polytope) -> tuple[Region, ...]:
     return tuple(regions)
 
 
-def searched(
-    time: float, polytope: Polytope, sources: Sources, solver: str, stop: Stop
-) -> tuple[Polytope, tuple[Region, ...], Sources]:
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """What a search of every robot's region gave.
+
+    Attributes:
+        polytope: With the regions' edges as the only rows on single robots and with the regions' boxes.
+        regions: (n) where each robot is.
+        sources: The table, with the regions entered.
+        events: Where solvers failed.
+        proofs: Of every edge, then of every side of the boxes.
+    """
+
+    polytope: Polytope
+    regions: tuple[Region, ...]
+    sources: Sources
+    events: tuple[Event, ...]
+    proofs: tuple[Proof, ...]
+
+
+def searched(time: float, polytope: Polytope, sources: Sources, solvers: Sequence[Solver], stop: Stop) -> Searched:
     """Search every robot's region in the whole team's polytope.
 
-    Returns:
-        The polytope with the regions' edges as the only rows on single robots and with the regions' boxes, the regions,
-        and the table of sources with the regions entered.
+    The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
+    is taken; with what was propagated it is always a region, only a larger one.
 
     Raises:
         Inconsistent: The polytope is proved to be empty.
@@ -46,41 +69,104 @@ def searched(
     robots = len(polytope.lower)
     known = [polytope.constraints.select(polytope.constraints.rows_of(WORLD, robot)) for robot in range(robots)]
     planes = [position(robot, robots) for robot in range(robots)]
-    projections = project_all(polytope.program(), planes, [(rows.normal, rows.offset) for rows in known], solver, stop)
+    program = polytope.program()
+    projections = project_all(program, planes, [(rows.normal, rows.offset) for rows in known], solvers, stop)
     if projections.contradiction is not None:
-        conflict = sorted(_causes(polytope, projections.contradiction), key=lambda number: (sources.time[number], number))
+        conflict = sorted(_conflict(polytope, program, projections.contradiction), key=lambda k: (sources.time[k], k))
         raise Inconsistent(f"at {time} s", [sources[number] for number in conflict])
-    sources, numbers = sources.extended("region", time, np.arange(robots))
-    regions, own = [], []
+    table, numbers = sources.extended("region", time, np.arange(robots))
+    regions, own, edged = [], [], []
+    proofs: list[Proof] = []
     for robot, found in enumerate(projections.found):
-        region, rows = _region(polytope, robot, known[robot], found, int(numbers[robot]))
+        region, edges, proof = _region(polytope, sources, robot, found, int(numbers[robot]))
         regions.append(region)
-        own.append(rows)
+        own.append(edges)
+        edged.append(np.flatnonzero(found.edges >= 0))
+        proofs.append(proof)
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
-    lower, upper = _boxes(polytope, regions)
-    return Polytope(Constraints.concatenate([pairs, *own]), lower, upper, numbers), tuple(regions), sources
+    lower, upper, boxes = _boxes(polytope, table, regions, own, edged)
+    smaller = Polytope(Constraints.concatenate([pairs, *own]), lower, upper, numbers)
+    events = tuple(Fallback(each.plane, each.failed, each.used) for each in projections.failures)
+    return Searched(smaller, tuple(regions), table, events, (*proofs, *boxes))
 
 
-def _region(polytope: Polytope, robot: int, known: Constraints, found: Projection, number: int) -> tuple[Region, Constraints]:
-    """Return a projection as a region with its causes, and its edges as rows."""
-    causes = []
-    for edge in found.edges.tolist():
-        if edge >= found.searches:
-            causes.append(known.source[edge - found.searches :][:1])
-        else:
-            causes.append(_causes(polytope, found.multipliers[edge]) if edge >= 0 else polytope.source_of_box(robot))
-    region = Region(found.outer, found.inner, found.searches, found.reason, tuple(causes))
+def _conflict(polytope: Polytope, program: LinearProgram, multipliers: Array) -> Integers:
+    """Return the numbers of the sources of a Farkas certificate (r,), of as few rows as still prove it."""
+    kept = (np.where(multipliers > share * multipliers.max(), multipliers, 0) for share in SHARES)
+    proof = next((weights for weights in kept if program.proves_empty(weights)), multipliers)
+    return np.unique(polytope.constraints.source[proof > 0])
+
+
+def _region(
+    polytope: Polytope, sources: Sources, robot: int, found: Projection, number: int
+) -> tuple[Region, Constraints, Proof]:
+    """Return a projection as a region with its causes, its edges as rows, and its edges' proofs."""
+    rows = polytope.constraints.rows_of(WORLD, robot)
+    known = polytope.constraints.source[rows]
+    weights = np.zeros((len(found.edges), len(polytope.constraints)))
+    by_search, by_row = found.edges[found.edges >= 0], found.edges - found.searches
+    is_searched = (found.edges >= 0) & (by_row < 0)
+    weights[is_searched] = found.multipliers[found.edges[is_searched]]
+    weights[by_row >= 0, rows[by_row[by_row >= 0]]] = 1.0
+    claim, row = np.nonzero(weights)
+    cuts = np.searchsorted(claim, np.arange(1, len(weights)))
+    box = polytope.source_of_box(robot)
+    causes = tuple(np.unique(part) if len(part) else box for part in np.split(polytope.constraints.source[row], cuts))
+    outer, whose = found.outer, np.full(len(weights), robot)
+    proof = Proof(polytope, sources, whose, outer.normals, outer.offsets, claim, row, weights[claim, row])
     fixed = found.edges >= 0
-    source = np.append(np.full(found.searches, number), known.source)[found.edges[fixed]]
-    return region, Constraints.on_robot(robot, found.outer.normals[fixed], found.outer.offsets[fixed], source)
+    source = np.append(np.full(found.searches, number), known)[by_search]
+    edges = Constraints.on_robot(robot, outer.normals[fixed], outer.offsets[fixed], source)
+    return Region(outer, found.inner, found.searches, found.reason, causes), edges, proof
 
 
-def _causes(polytope: Polytope, multipliers: Array) -> Integers:
-    """Return the numbers of the sources of the rows that multipliers (r,) rest on."""
-    return np.unique(polytope.constraints.source[multipliers > CAUSE * multipliers.max(initial=0)])
+def _boxes(
+    polytope: Polytope, sources: Sources, regions: Sequence[Region], own: Sequence[Constraints], edged: Sequence[Integers]
+) -> tuple[Array, Array, list[Proof]]:
+    """Return lower and upper corners (n, 2) of proved boxes around the regions, within the polytope's, and the proofs.
+
+    Args:
+        polytope: Its box is where each proof starts.
+        sources: The table of the rows.
+        regions: (n) the regions.
+        own: (n) the regions' edges as rows.
+        edged: (n) the edge of the outer polygon that each of these rows is.
+    """
+    lower, upper, proofs = polytope.lower.copy(), polytope.upper.copy(), []
+    for first in range(0, len(regions), TOGETHER):
+        robots = np.arange(first, min(first + TOGETHER, len(regions)))
+        rows = Constraints.concatenate(own[first : first + TOGETHER])
+        multipliers = np.zeros((len(robots), 4, len(rows)))
+        for k, robot in enumerate(robots.tolist()):
+            multipliers[k][:, rows.j == robot] = _of_extreme_vertices(regions[robot].outer)[:, edged[robot]]
+        weights = multipliers.reshape(4 * len(robots), len(rows))
+        among = Constraints(rows.i, rows.j - first, rows.normal, rows.offset, rows.source)
+        program = Polytope(among, polytope.lower[robots], polytope.upper[robots]).program()
+        bounds = program.certified_bounds(np.kron(np.eye(len(robots)), SIDES), weights)
+        high = np.minimum(upper[robots], bounds.reshape(-1, 4)[:, :2])
+        low = np.maximum(lower[robots], -bounds.reshape(-1, 4)[:, 2:])
+        good = robots[(low <= high).all(axis=1)]  # otherwise it is empty, which is for the next update to prove and to explain
+        lower[good], upper[good] = low[good - first], high[good - first]
+        claim, row = np.nonzero(weights)
+        whole, normals = Polytope(rows, polytope.lower, polytope.upper), np.tile(SIDES, (len(robots), 1))
+        proofs.append(Proof(whole, sources, np.repeat(robots, 4), normals, bounds, claim, row, weights[claim, row]))
+    return lower, upper, proofs
 
 
-def _boxes(polytope: Polytope, regions: list[Region]) -> tuple[Array, Array]:
-    """Return the boxes around the regions, within the polytope's."""
-    corners = np.array([region.outer.bounds for region in regions])
-    return np.maximum(polytope.lower, corners[:, 0]), np.minimum(polytope.upper, corners[:, 1])
+def _of_extreme_vertices(outer: Polygon) -> Array:
+    """Return (4, e) candidates for the multipliers of a polygon's extents: of the two edges that meet in an extreme vertex."""
+    corner = np.argmax(SIDES @ outer.vertices.T, axis=1)
+    first, second = outer.normals[corner - 1], outer.normals[corner]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        turn = _cross(first, second)
+        shares = np.stack([_cross(SIDES, second) / turn, _cross(first, SIDES) / turn])
+    shares = np.where(np.isfinite(shares), np.maximum(shares, 0), 0)
+    multipliers = np.zeros((4, len(outer.offsets)))
+    sides = np.arange(4)
+    multipliers[sides, corner - 1] = shares[0]
+    multipliers[sides, corner] = shares[1]
+    return multipliers
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -12,7 +12,17 @@ import numpy as np
 
 from filter.arrays import Array
 from filter.lp import LinearProgram
-from filter.projection import NOTHING, HalfPlanes, Projection, Reason, Stop, inner_polygon, outer_polygon
+from filter.projection import (
+    NOTHING,
+    HalfPlanes,
+    Projection,
+    Reason,
+    Stop,
+    certified_offsets,
+    inner_polygon,
+    looseness,
+    outer_polygon,
+)
 from filter.solvers import Workspace
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
@@ -44,16 +54,17 @@ def project(
     directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
     points = np.array(search.points).reshape(-1, D.shape[1])
     multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
-    outer, edges, _ = outer_polygon(program, D, directions, multipliers, known)
+    multipliers = program.essential(directions @ D, multipliers)
+    certified = certified_offsets(program, D, directions, multipliers)
     return Projection(
-        outer,
-        edges,
+        *outer_polygon(program, D, (directions, certified), known),
         inner_polygon(program, D, points, interior),
         directions,
         multipliers,
         np.array(search.inner_areas),
         np.array(search.outer_areas),
         search.reason,
+        np.inf if search.reason == "solver" else looseness(program, D, directions, points, certified),
     )
 
 

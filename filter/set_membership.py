@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from filter.projection import Stop
 from filter.projector import EXACT
 from filter.pruning import prune
 from filter.regions import regions_at_a_glance, searched
+from filter.rejection import agreeing
 from filter.sensing import (
     TANGENT_SPACING,
     bearing_rows,
@@ -30,8 +32,10 @@ from filter.sensing import (
     spans_of_targets,
     world_arcs,
 )
-from filter.solvers import check_solver
+from filter.solvers import Solver, check_solver
 from filter.team import Team
+
+Policy = Literal["raise", "reject"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,26 +44,36 @@ class SetMembershipFilter:
 
     Attributes:
         team: The robots, the landmarks and their limits.
-        solver: "exact" for exact projections; "piqp", or any solver that qpsolvers has installed, for searches.
+        solver: "exact" for exact projections; "piqp", or any solver that qpsolvers has installed, or what makes a
+            `Workspace`, for searches.
         stop: When a robot's region is good enough.
         rows_per_robot: How many rows on one robot survive pruning, from 4 on.
         rows_per_pair: How many rows on one pair survive pruning, from 4 on.
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
+        policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
+            in conflict that let the rest agree, each one an event of the belief.
+        fallbacks: Solvers that are asked in turn where the first one's answers are no good.
 
     Raises:
-        InvalidInput: No such solver is installed, a budget is too small, or the spacing is out of its range.
+        InvalidInput: No such solver is installed, no such policy, a budget is too small, or the spacing out of its range.
     """
 
     team: Team
-    solver: str = EXACT
+    solver: Solver = EXACT
     stop: Stop = field(default_factory=Stop)
     rows_per_robot: int = 12
     rows_per_pair: int = 8
     tangent_spacing: float = TANGENT_SPACING
+    policy: Policy = "raise"
+    fallbacks: tuple[Solver, ...] = ("piqp", "highs")
 
     def __post_init__(self) -> None:
         check_solver(self.solver, [EXACT])
+        for solver in self.fallbacks:
+            check_solver(solver)
+        if self.policy not in get_args(Policy):
+            raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", repr(self.policy))
         whole("rows_per_robot", self.rows_per_robot, low=4)
         whole("rows_per_pair", self.rows_per_pair, low=4)
         number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2)
@@ -92,7 +106,7 @@ class SetMembershipFilter:
             for k, polygon in enumerate(positions)
         ]
         polytope = Polytope(Constraints.concatenate(rows), lower, upper, numbers)
-        return Belief.compact(float(time), polytope, known, regions_at_a_glance(polytope), sources)
+        return Belief(float(time), polytope, known, regions_at_a_glance(polytope), sources).compact()
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
         """Return the belief at a later time, after the robots have moved.
@@ -115,7 +129,7 @@ class SetMembershipFilter:
         headings = turned_headings(odometry, belief.headings, self.team, duration)
         lower, upper = self._moved_box(belief, time, moves)
         polytope = Polytope(moves.moved(belief.constraints), lower, upper, belief.polytope.origin)
-        return Belief.compact(time, polytope, headings, regions_at_a_glance(polytope), belief.sources)
+        return Belief(time, polytope, headings, regions_at_a_glance(polytope), belief.sources).compact()
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
         """Return the belief after merging measurements taken at its time, with every region searched anew.
@@ -128,13 +142,26 @@ class SetMembershipFilter:
             OutOfOrder: A record is of another time than the belief.
             InvalidInput: A record names an unknown robot or landmark.
             Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
+                With the policy "reject": and none of these measurements is in the conflict.
         """
-        measurements = self.team.checked(belief.time, measurements)
+        records = self.team.checked(belief.time, measurements)
+        if self.policy == "raise":
+            return self._updated(belief, records)
+        return agreeing(lambda kept: self._updated(belief, kept), records)
+
+    def _updated(self, belief: Belief, measurements: tuple[Measurement, ...]) -> Belief:
         sources, numbered = _numbered(belief.sources, measurements)
         headings = self._headings(belief, measurements)
-        polytope = self._merged(belief.polytope, headings, numbered)
-        polytope, regions, sources = searched(belief.time, self._pruned(polytope), sources, self.solver, self.stop)
-        return Belief.compact(belief.time, self._pruned(polytope), headings, regions, sources)
+        polytope = self._pruned(self._merged(belief.polytope, headings, numbered))
+        found = searched(belief.time, polytope, sources, self.solvers, self.stop)
+        pruned = self._pruned(found.polytope)
+        belief = Belief(belief.time, pruned, headings, found.regions, found.sources, found.events, found.proofs)
+        return belief.compact()
+
+    @property
+    def solvers(self) -> tuple[Solver, ...]:
+        """The solver and then its fallbacks."""
+        return tuple(dict.fromkeys((self.solver, *self.fallbacks)))
 
     def _pruned(self, polytope: Polytope) -> Polytope:
         """Prune before a search, for the solver's time, and after it, when regions have become rows."""
@@ -210,15 +237,25 @@ def _narrowed(headings: AngularIntervals, arcs: list[AngularIntervals], sources:
     order = np.lexsort((centre, bound))
     every = AngularIntervals(centre[order], bound[order])
     whose = np.array([sources[k].robot for k in order], dtype=np.int64)
+    now = headings
     for turn in _turns(whose):
         robots = whose[turn]
-        narrowed = headings[robots].intersection(every[turn])
+        narrowed = now[robots].intersection(every[turn])
         if narrowed.empty.any():
-            first = int(np.flatnonzero(narrowed.empty)[0])
-            measured = sources[order[turn[first]]]
-            raise Inconsistent(f"at {measured.time} s", [Source("heading", measured.time, measured.robot), measured])
-        headings = headings.replaced(robots, narrowed)
-    return headings
+            last = int(turn[np.flatnonzero(narrowed.empty)[0]])
+            measured = np.flatnonzero((whose == whose[last]) & (np.arange(len(whose)) <= last))
+            raise _disagreement(headings[whose[[last]]], every[measured], [sources[order[k]] for k in measured])
+        now = now.replaced(robots, narrowed)
+    return now
+
+
+def _disagreement(known: AngularIntervals, measured: AngularIntervals, sources: list[Source]) -> Inconsistent:
+    """Return the error that names the arc which excludes the last measured one; if only all together do, then all."""
+    last = sources[-1]
+    every = AngularIntervals(np.append(known.centre, measured.centre[:-1]), np.append(known.bound, measured.bound[:-1]))
+    named = [Source("heading", last.time, last.robot), *sources[:-1]]
+    apart = np.flatnonzero(every.intersection(measured[np.full(len(every), -1)]).empty)
+    return Inconsistent(f"at {last.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), last])
 
 
 def _turns(robot: Integers) -> Iterator[Integers]:

@@ -1,11 +1,12 @@
 """The linear-programming solvers: PIQP and the simplex of HiGHS, kept across directions, or any that qpsolvers knows.
 
-Their answers are candidates that `LinearProgram` judges. The only module that imports piqp, highspy and qpsolvers.
+Their answers are candidates that `LinearProgram` judges; whatever else they do, raising included, is no answer. The only
+module that imports piqp, highspy and qpsolvers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -50,26 +51,52 @@ class Workspace(Protocol):
         """Return a candidate for the greatest c . x in direction c (v,), or None when the solver gives up."""
 
 
-def workspace(program: LinearProgram, solver: str) -> Workspace:
-    """Return a workspace of the named solver for the program.
+Solver = str | Callable[[LinearProgram], Workspace]
+"""The name of a solver that is installed, or whatever makes a workspace."""
+
+
+def workspace(program: LinearProgram, solver: Solver) -> Workspace:
+    """Return a workspace of the solver for the program; no exception of the solver's leaves it.
 
     Raises:
         InvalidInput: No such solver is installed.
     """
     check_solver(solver)
-    if solver == SIMPLEX:
-        return _Simplex(program)
-    return _Piqp(program) if solver == "piqp" else _Qpsolvers(program, solver)
+    return _Guarded(program, solver)
 
 
-def check_solver(solver: str, others: Sequence[str] = ()) -> None:
+def check_solver(solver: Solver, others: Sequence[str] = ()) -> None:
     """Raise `InvalidInput`, with the list of those there are, unless the solver is installed or among the others."""
     known = [*others, *sorted([*qpsolvers.available_solvers, SIMPLEX])]
-    if solver not in known:
+    if not callable(solver) and solver not in known:
         raise InvalidInput(f"a solver among {', '.join(known)}", repr(solver))
 
 
-def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
+def name_of(solver: Solver) -> str:
+    """Return what to call a solver."""
+    return solver if isinstance(solver, str) else getattr(solver, "__name__", type(solver).__name__)
+
+
+class Chain:
+    """Workspaces of several solvers for one program, each made when it is first asked for.
+
+    Attributes:
+        program: The program.
+    """
+
+    def __init__(self, program: LinearProgram, solvers: Sequence[Solver]) -> None:
+        self.program, self._solvers = program, solvers
+        self._made: list[Workspace] = []
+
+    def __iter__(self) -> Iterator[tuple[str, Workspace]]:
+        """Yield the solvers' names and workspaces, in turn."""
+        for k, solver in enumerate(self._solvers):
+            if k == len(self._made):
+                self._made.append(workspace(self.program, solver))
+            yield name_of(solver), self._made[k]
+
+
+def deepest_point(program: LinearProgram, solver: Solver) -> Candidate | None:
     """Return a candidate for the point that keeps farthest from every row: the most t with A x + t <= b.
 
     With a negative t the multipliers are a candidate for the proof that the polytope is empty.
@@ -90,6 +117,37 @@ def deepest_point(program: LinearProgram, solver: str) -> Candidate | None:
     multipliers = np.zeros(len(program.b))
     multipliers[live] = found.multipliers
     return Candidate(found.point[:-1], multipliers)
+
+
+class _Guarded:
+    """A solver's workspace; an exception, or an answer of another shape than the program's, is no answer."""
+
+    def __init__(self, program: LinearProgram, solver: Solver) -> None:
+        self._program = program
+        self._work: Workspace | None = None
+        try:
+            self._work = _made(program, solver)
+        except Exception:  # each solver has exceptions of its own; all mean that it gives up
+            return
+
+    def maximize(self, objective: Array) -> Candidate | None:
+        try:
+            found = self._work.maximize(objective) if self._work is not None else None
+            if found is None:
+                return None
+            point, multipliers = np.asarray(found.point, dtype=float), np.asarray(found.multipliers, dtype=float)
+        except Exception:  # as above
+            return None
+        fits = point.shape == self._program.lower.shape and multipliers.shape == self._program.b.shape
+        return Candidate(point, multipliers) if fits and np.isfinite(point).all() else None
+
+
+def _made(program: LinearProgram, solver: Solver) -> Workspace:
+    if callable(solver):
+        return solver(program)
+    if solver == SIMPLEX:
+        return _Simplex(program)
+    return _Piqp(program) if solver == "piqp" else _Qpsolvers(program, solver)
 
 
 def _candidate(scaled: ScaledProgram, z: Array, multipliers: Array, scale: float) -> Candidate | None:
@@ -169,10 +227,7 @@ class _Qpsolvers:
             return _candidate(scaled, c, np.zeros(len(scaled.h)), scale)
         nothing, ones = sparse.csc_matrix((len(c), len(c))), np.ones(len(c))
         problem = qpsolvers.Problem(nothing, -c, scaled.G, scaled.h, lb=-ones, ub=ones)
-        try:
-            solution = qpsolvers.solve_problem(problem, solver=self._solver)
-        except Exception:  # each solver has exceptions of its own; all mean that it gives up
-            return None
+        solution = qpsolvers.solve_problem(problem, solver=self._solver)
         if not solution.found or solution.x is None or solution.z is None:
             return None
         return _candidate(scaled, solution.x, np.asarray(solution.z, dtype=float), scale)

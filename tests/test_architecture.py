@@ -52,6 +52,7 @@ ORDER = [
     "projector",
     "belief",
     "regions",
+    "rejection",
     "set_membership",
     "ekf",
     "watch",

@@ -1,0 +1,132 @@
+"""Proves a run's certificates again, in exact rational arithmetic, with nothing but Python's standard library.
+
+    python -m experiments.prove FOLDER
+
+reads FOLDER/certificates.jsonl.gz (see docs/soundness.md). Each line claims: for every x with lower <= x <= upper that
+satisfies the rows, normal . x_robot <= offset. With the line's multipliers y >= 0 of the rows A x <= b, and c the normal in
+the robot's coordinates, c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; the claim is proved
+if that is no greater than its offset. Then each step is tied to what came before it: see `experiments.prove_chain`.
+
+Exit code: 0 if everything is proved, 1 at the first line or link that is not, 2 if there is no such file.
+"""
+
+import argparse
+import gzip
+import json
+import sys
+import zlib
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TextIO
+
+from experiments.prove_chain import Broken, Chain, exact
+
+FILE = "certificates.jsonl.gz"
+BAR = 40  # characters
+
+
+def greatest(line: dict[str, Any]) -> Fraction:
+    """Return what the line's multipliers prove to be above normal . x_robot.
+
+    Raises:
+        Broken: A multiplier is negative, or the box is empty.
+    """
+    rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
+    total = Fraction(0)
+    for row in line["rows"]:
+        multiplier = exact(row["multiplier"])
+        if multiplier < 0:
+            raise Broken("a negative multiplier")
+        total += multiplier * exact(row["offset"])
+        for body, sign in ((row["j"], 1), (row["i"], -1)):
+            for k, value in enumerate(row["normal"]) if body >= 0 else ():
+                rest[body, k] = rest.get((body, k), Fraction(0)) - sign * multiplier * exact(value)
+    for (body, k), value in rest.items():
+        lower, upper = exact(line["lower"][str(body)][k]), exact(line["upper"][str(body)][k])
+        if lower > upper:
+            raise Broken("a box without a point")
+        total += value * (upper if value > 0 else lower)
+    return total
+
+
+def check(line: dict[str, Any]) -> None:
+    """Raise `Broken` unless the line proves its claim."""
+    excess = greatest(line) - exact(line["offset"])
+    if excess > 0:
+        raise Broken(f"its rows prove an offset that is greater by {float(excess):.3g} m")
+
+
+def lines(path: Path, out: TextIO) -> Iterator[dict[str, Any]]:
+    """Yield the lines of a compressed file, with a progress bar."""
+    size, shown = path.stat().st_size, -1
+    with path.open("rb") as packed, gzip.open(packed, "rt", encoding="utf-8") as file:
+        for text in file:
+            yield json.loads(text)
+            done = BAR * packed.tell() // max(size, 1)
+            if done != shown:
+                shown = done
+                out.write(f"\r[{'#' * done}{'.' * (BAR - done)}]")
+                out.flush()
+    out.write("\n")
+
+
+def steps(found: Iterator[dict[str, Any]], count: list[int]) -> Iterator[list[dict[str, Any]]]:
+    """Yield the lines of each step, every one of them proved in itself; count them.
+
+    Raises:
+        Broken: A line does not prove its claim.
+    """
+    step: list[dict[str, Any]] = []
+    for line in found:
+        if step and line["t"] != step[0]["t"]:
+            yield step
+            step = []
+        count[0] += 1
+        try:
+            check(line)
+        except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
+            when = f"t = {float.fromhex(line['t'])} s, robot {line['robot']}" if {"t", "robot"} <= line.keys() else "no time"
+            raise Broken(f"line {count[0]} ({when}): {error}") from None
+        step.append(line)
+    if step:
+        yield step
+
+
+def prove(folder: Path, out: TextIO) -> tuple[int, Chain]:
+    """Prove a folder's certificates; return how many there are, and what is known of the links between the steps.
+
+    Raises:
+        Broken: Something is not proved.
+        OSError: There is no such file.
+    """
+    chain, count = Chain(folder), [0]
+    for step in steps(lines(folder / FILE, out), count):
+        chain.check(step)
+    if not count[0]:
+        raise Broken("there is no certificate in the file")
+    return count[0], chain
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Prove the certificates in the folder that the command line names; return the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m experiments.prove", description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="a folder with certificates.jsonl.gz, from a run with --certificates")
+    folder = parser.parse_args(arguments).folder
+    try:
+        count, chain = prove(folder, sys.stderr)
+    except Broken as error:
+        sys.stdout.write(f"not proved: {error}\n")
+        return 1
+    except (EOFError, zlib.error, gzip.BadGzipFile, json.JSONDecodeError, UnicodeDecodeError) as error:
+        sys.stdout.write(f"not proved: the file is damaged: {error}\n")
+        return 1
+    except OSError as error:
+        sys.stderr.write(f"error: {error.filename or folder}: {error.strerror}\n")
+        return 2
+    sys.stdout.write("\n".join([*chain.report(), f"{count} certificates proved, 0 failed"]) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

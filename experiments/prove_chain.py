@@ -1,0 +1,200 @@
+"""Ties each step of a run to its measurements and to the step before: exact arithmetic, standard library only.
+
+Every row that a certificate rests on has to follow from something: an edge that was proved in this step or in the last one
+(moved outward by what the robot can have driven), an initial set, or a measurement in the log. Boxes likewise. What is taken
+on trust is counted: headings narrowed by bearings, and near sides of ranges over arcs narrower than one bearing's own.
+"""
+
+from collections import Counter
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from experiments.prove_exact import PI, PI_ROUNDING, Motion, Vector, length
+from experiments.prove_log import Log, compass
+
+SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
+Record = dict[str, Any]
+
+
+class Broken(Exception):
+    """Something is not proved."""
+
+
+class Chain:
+    """Checks one step after the other. Without log and headings beside the certificates it says so, and checks nothing.
+
+    Attributes:
+        links: How many links of each kind there were; those whose name begins with "on trust" are not proved.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.links: Counter[str] = Counter()
+        there = all((folder / name).exists() for name in ("log.jsonl", "headings.jsonl.gz"))
+        self._log = Log(folder) if there else None
+        self._since: float | None = None
+        self._history: list[list[Motion] | None] = []  # by the log's frames
+        self._last: dict[tuple[int, Vector], Fraction] = {}  # what was proved of each robot in the last step
+        self._now: dict[tuple[int, Vector], Fraction] = {}  # and so far in this one
+        self._grown: dict[tuple[Any, ...], tuple[int, Fraction]] = {}  # up to which frame, and by how much
+        self._seen: set[str] = set()
+
+    def report(self) -> list[str]:
+        """Return what has been proved and what has been taken on trust, in words."""
+        if self._log is None:
+            return ["on trust: where the rows come from; there is no log.jsonl with headings.jsonl.gz beside the certificates"]
+        return [f"{count:8d} {name}" for name, count in sorted(self.links.items())]
+
+    def check(self, step: list[Record]) -> None:
+        """Check the rows and the boxes of one step's certificates, each of them proved in itself.
+
+        Raises:
+            Broken: A row or a box does not follow from anything before it.
+        """
+        if self._log is None:
+            return
+        time = float.fromhex(step[0]["t"])
+        frame = len(self._history)
+        if self._log.times[frame : frame + 1] != [time]:
+            raise Broken(f"t = {time} s: the log has another frame there")
+        self._history.append(self._log.motions(self._since, time))
+        self._now, self._seen = {}, set()
+        for line in step:
+            try:
+                self._check_boxes(self._log, line)
+                for row, source in zip(line["rows"], line["sources"], strict=True):
+                    self._check_row(self._log, row, source)
+            except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
+                raise Broken(f"t = {time} s, an edge of robot {line['robot']}: {error}") from None
+            claim = line["robot"], plane(line["normal"])
+            self._now[claim] = min(exact(line["offset"]), self._now.get(claim, exact(line["offset"])))
+        self._close(self._log, time)
+
+    def _close(self, log: Log, time: float) -> None:
+        for robot in range(log.header["robots"]):
+            self.links[_heading_link(log, robot, self._since, time)] += 1
+        self._last, self._since = self._now, time
+
+    def _support(self, frame: int, body: int, normal: Vector) -> Fraction:
+        motions = self._history[frame]
+        return motions[body].support(normal) if motions else Fraction(0)
+
+    def _check_boxes(self, log: Log, line: Record) -> None:
+        """Check the box of every robot that a line names: moved with the robot, cut by the last step's edges and the arena."""
+        for body in line["upper"]:
+            if (key := f"{body} {line['lower'][body]} {line['upper'][body]}") in self._seen:
+                continue
+            self._seen.add(key)
+            for side, k, normal in SIDES:
+                sign, robot = (1 if side == "upper" else -1), int(body)
+                side_of = robot, plane(normal)
+                before = self._last[side_of] if self._last else max(sign * corner[k] for corner in log.vertices[robot])
+                needed = before + self._support(-1, robot, plane(normal))
+                limit = log.header["arena"][side == "upper"][k]
+                needed = needed if limit is None else min(needed, sign * Fraction(limit))
+                offset = sign * exact(line[side][body][k])
+                if offset < needed:
+                    raise Broken(f"the {side} side of robot {body}'s box lies {float(needed - offset):.3g} m too far inside")
+                self._now[side_of] = min(offset, self._now.get(side_of, offset))
+            self.links["boxes, from the last step's edges, motion and the arena"] += 1
+
+    def _check_row(self, log: Log, row: Record, source: Record) -> None:
+        if (key := str((row["i"], row["j"], row["normal"], row["offset"], source))) in self._seen:
+            return
+        self._seen.add(key)
+        offset, normal = exact(row["offset"]), plane(row["normal"])
+        link = self._of_robot(log, row["j"], normal, offset) if row["i"] < 0 else None
+        if link is None:
+            taken = float.fromhex(source["t"])
+            grown = self._growth(log, (row["i"], row["j"], normal, taken))
+            link = of_measurement(log, row, source, offset - grown)
+        if link is None:
+            raise Broken(f"a row on {row['i']}, {row['j']} follows from nothing known; it says it is of {source}")
+        self.links[link] += 1
+
+    def _of_robot(self, log: Log, robot: int, normal: Vector, offset: Fraction) -> str | None:
+        """Return why a row on one robot holds, if it is an edge that was proved already, or of an initial set."""
+        claim = robot, normal
+        if claim in self._now and self._now[claim] <= offset:
+            return "rows that are edges proved in the same step"
+        if claim in self._last and self._last[claim] + self._support(-1, robot, normal) <= offset:
+            return "rows that are edges of the last step, moved"
+        start = max(normal[0] * x + normal[1] * y for x, y in log.vertices[robot])
+        if self._since is None and start + self._support(-1, robot, normal) <= offset:
+            return "rows of initial sets"
+        return None
+
+    def _growth(self, log: Log, row: tuple[int, int, Vector, float]) -> Fraction:
+        """Return how much a row on a pair has moved outward since it was measured."""
+        i, j, normal, taken = row
+        frame, total = self._grown.get(row, (log.times.index(taken), Fraction(0)))
+        back = (-normal[0], -normal[1])
+        for later in range(frame + 1, len(self._history)):
+            total += self._support(later, j, normal) + (self._support(later, i, back) if i >= 0 else 0)
+        self._grown[row] = len(self._history) - 1, total
+        return total
+
+
+def of_measurement(log: Log, row: Record, source: Record, offset: Fraction) -> str | None:
+    """Return why a row holds with an offset at the time of its measurement, or None if it does not."""
+    time, robot, target, mates = float.fromhex(source["t"]), source["robot"], source["target"], log.header["robots"]
+    x, y = plane(row["normal"])
+    if row["i"] < 0 and target is not None and target >= mates and robot == row["j"]:
+        mark = [Fraction(value) for value in log.header["landmarks"][target - mates]]
+        x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])  # of the landmark, seen from the robot
+    elif (robot, target) == (row["j"], row["i"]):
+        x, y = -x, -y
+    elif (robot, target) != (row["i"], row["j"]):
+        return None
+    for reading in log.readings(time, source["kind"], robot, target):
+        if source["kind"] == "bearing":
+            arc = log.headings[time][robot].widened(reading["bearing"], reading["bound"])
+            if arc.narrow and arc.most((x, y)) <= 0 <= offset:
+                return "rows of bearings, from the log"
+        elif link := _of_range(log, source, reading, (x, y), offset):
+            return link
+    return None
+
+
+def _of_range(log: Log, source: Record, reading: dict[str, Fraction], normal: Vector, offset: Fraction) -> str | None:
+    time, robot, target = float.fromhex(source["t"]), source["robot"], source["target"]
+    value, bound, share = reading["range"], reading["bound"], reading["relative_bound"]
+    if offset >= (value + bound) / (1 - share) * length(normal):
+        return "rows of ranges, far side, from the log"
+    least = max(Fraction(0), (value - bound) / (1 + share))
+    seen = [(normal, robot, one) for one in log.readings(time, "bearing", robot, target)]
+    if target < log.header["robots"]:
+        seen += [((-normal[0], -normal[1]), target, one) for one in log.readings(time, "bearing", target, robot)]
+    for way, who, one in seen:
+        arc = log.headings[time][who].widened(one["bearing"], one["bound"])
+        if arc.narrow and arc.most(way) <= 0 and offset >= least * arc.most(way):
+            return "rows of ranges, near side, from the log"
+    # No near side is farther than the range itself; up to there its arc, of all that is known of the pair, is believed.
+    return "on trust: rows of ranges, near side, over a narrower arc" if offset >= -least * length(normal) else None
+
+
+def _heading_link(log: Log, robot: int, since: float | None, time: float) -> str:
+    """Return whether odometry and compasses alone explain a heading interval."""
+    claimed = log.headings[time][robot]
+    least, greatest = [], []
+    compasses = [compass(one) for one in log.readings(time, "compass", robot, None)]
+    for arc in (log.turned(robot, since, time), *compasses):
+        if arc.narrow:
+            turns = round((claimed.low + claimed.high - arc.low - arc.high) / (4 * PI))
+            least.append(arc.low + 2 * turns * PI - 2 * abs(turns) * PI_ROUNDING)
+            greatest.append(arc.high + 2 * turns * PI + 2 * abs(turns) * PI_ROUNDING)
+    whole = claimed.high - claimed.low > 2 * (PI + PI_ROUNDING)
+    if whole or (least and claimed.low <= max(least) and min(greatest) <= claimed.high):
+        return "headings, from odometry and compasses"
+    return "on trust: headings that bearings have narrowed"
+
+
+def exact(text: str) -> Fraction:
+    """Return the number that a C99 hexadecimal string says, without rounding."""
+    return Fraction(float.fromhex(text))
+
+
+def plane(normal: list[str] | tuple[int, int]) -> Vector:
+    """Return a normal as exact numbers."""
+    x, y = (exact(value) if isinstance(value, str) else Fraction(value) for value in normal)
+    return x, y

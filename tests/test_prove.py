@@ -98,7 +98,9 @@ TAMPERED = {
     "the claim": lambda line: line.update(offset=moved(line["offset"], -1e-6)),
     "the claim, next to nothing": lambda line: line.update(offset=moved(line["offset"], -1e-5)),
     "a row": lambda line: line["rows"][0].update(offset=moved(line["rows"][0]["offset"], 1e-3)),
-    "a normal": lambda line: line["rows"][-1].update(normal=[moved(part, -0.3) for part in line["rows"][-1]["normal"]]),
+    "normals": lambda line: [
+        row.update(normal=[moved(part, -0.3) for part in row["normal"]]) for row in line["rows"] if row["i"] < 0
+    ],
     "a multiplier": lambda line: line["rows"][0].update(multiplier=(-float.fromhex(line["rows"][0]["multiplier"])).hex()),
     "a row that is left out": lambda line: (line["rows"].pop(0), line["sources"].pop(0)),
     "the box, empty": lambda line: line["upper"].update(

@@ -89,16 +89,12 @@ class Constraints:
 
     def matrix(self, bodies: int) -> sparse.csr_array:
         """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""
-        rows = np.arange(len(self))
-        pair = np.flatnonzero(self.i != WORLD)
-        row = np.concatenate([np.repeat(rows, 2), np.repeat(pair, 2)])
-        column = np.concatenate([_coordinates(self.j), _coordinates(self.i[pair])])
-        value = np.concatenate([self.normal.ravel(), -self.normal[pair].ravel()])
-        return sparse.csr_array((value, (row, column)), shape=(len(self), 2 * bodies))
-
-
-def _coordinates(bodies: Integers) -> Integers:
-    return np.asarray((2 * bodies[:, None] + np.arange(2)).ravel())
+        pair = self.i != WORLD
+        there = np.stack([pair, pair, np.ones_like(pair), np.ones_like(pair)], axis=1)
+        column = np.stack([2 * self.i, 2 * self.i + 1, 2 * self.j, 2 * self.j + 1], axis=1)[there]
+        value = np.concatenate([-self.normal, self.normal], axis=1)[there]
+        begin = np.concatenate([[0], np.cumsum(np.where(pair, 4, 2))])
+        return sparse.csr_array((value, column, begin), shape=(len(self), 2 * bodies))
 
 
 def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:

@@ -95,16 +95,23 @@ class LinearProgram:
         return np.where(np.isnan(bounds), np.inf, bounds)
 
     def _bounds(self, objectives: Array, y: Array) -> Array:
+        filled = int((objectives != 0).sum(axis=1).max(initial=0))
+        places = np.argsort(objectives == 0, axis=1, kind="stable")[:, :filled]  # the non-zeros first
+        values, middles = objectives[np.arange(len(objectives))[:, None], places], self.centre[places]
+        high, low = twice_precise_dot(values, middles)
+        few = ((8 + filled) * EPSILON) ** 2 * np.abs(values * middles).sum(axis=1)
         residual = objectives - (self._matrix.T @ y.T).T
-        size = np.abs(objectives) + (self._magnitudes.T @ y.T).T
-        used = np.flatnonzero(objectives.any(axis=0))
-        high, low = twice_precise_dot(objectives[:, used], np.broadcast_to(self.centre[used], (len(objectives), len(used))))
-        few = ((8 + len(used)) * EPSILON) ** 2 * (np.abs(objectives[:, used]) @ np.abs(self.centre[used]))
-        operations = 8 + len(self.b) + len(self.centre)
-        many = 2 * operations * EPSILON * (size @ self.radius + y @ np.abs(self.slack))
-        allowance = few + many + 2 * (y @ self._slack_rounding) + operations * TINY * (1 + self.radius.sum())
-        rest = low + np.abs(residual) @ self.radius + y @ self.slack + allowance
+        row, size, least = self._outward
+        rest = low + np.abs(residual) @ self.radius + y @ row + (few + np.abs(objectives) @ size + least)
         return np.asarray(np.nextafter(high + rest, np.inf))
+
+    @cached_property
+    def _outward(self) -> tuple[Array, Array, float]:
+        """What a bound takes for each multiplier (r,), each |c| (v,) and always: slacks and all allowances [m]."""
+        operations = 8 + len(self.b) + len(self.centre)
+        many = 2 * operations * EPSILON
+        row = self.slack + (2 * self._slack_rounding + many * (np.abs(self.slack) + self._reach))
+        return row, many * self.radius, operations * TINY * (1 + self.radius.sum())
 
     def essential(self, objectives: Array, multipliers: Array) -> Array:
         """Return (k, r) multipliers with the negligible and the non-finite ones set to 0: proofs that rest on few rows."""
@@ -170,8 +177,8 @@ def twice_precise_dot(a: Array, b: Array) -> tuple[Array, Array]:
     product = a * b
     (a_high, a_low), (b_high, b_low) = _split(a), _split(b)
     error = a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
-    high, low = np.zeros(len(a)), error.sum(axis=1)
-    for term in product.T:
+    high, low = product[:, :1].sum(axis=1), error.sum(axis=1)
+    for term in product.T[1:]:
         total = high + term
         part = total - high
         low += (high - (total - part)) + (term - part)
@@ -189,6 +196,8 @@ def _split(a: Array) -> tuple[Array, Array]:
 def _rectangular(matrix: sparse.csr_array) -> tuple[Array, Integers]:
     """Return the entries of each row and their columns, both (r, n), filled up with zeros in column 0."""
     counts = np.diff(matrix.indptr)
+    if len(counts) and (counts == counts[0]).all():
+        return matrix.data.reshape(len(counts), -1), matrix.indices.reshape(len(counts), -1)
     rows = np.repeat(np.arange(len(counts)), counts)
     places = np.arange(matrix.nnz) - np.repeat(matrix.indptr[:-1], counts)
     values, columns = np.zeros((len(counts), counts.max(initial=0))), np.zeros((len(counts), counts.max(initial=0)), np.int64)

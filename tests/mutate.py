@@ -36,6 +36,7 @@ FLIPPED = {
 EQUIVALENT = {
     "angle = arcs.centre[which] - arcs.bound[which] * ((2 * place + 1) / count[which] - 1)": "the same tangents, back to front",
     "direction = np.concatenate([angle, arcs.centre[near] - np.pi])": "half a turn either way is the same direction",
+    "corners = [side * (along - turn * slope * across) for side in (near, far) for turn in (-1, 1)]": "another order",
 }
 
 

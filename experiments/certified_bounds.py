@@ -17,19 +17,18 @@ from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
-import tyro
 from rich.console import Console
 from rich.progress import track
 from scipy import sparse
 
+from experiments.command import command
 from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.run import steps
 from experiments.scenarios import from_simulator
-from experiments.terminal import print_table, tell
+from experiments.terminal import print_table
 from filter.arrays import Array, Mask, number, whole
 from filter.belief import Belief
-from filter.errors import CorralError
 from filter.lp import LinearProgram
 from filter.projection import position
 from filter.set_membership import SetMembershipFilter
@@ -61,15 +60,7 @@ class Options:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the experiment with command-line arguments; return the exit code."""
-    options = tyro.cli(Options, prog="python -m experiments.certified_bounds", args=arguments)
-    try:
-        return run(options)
-    except CorralError as error:
-        tell(f"error: {error}")
-        return 2
-    except KeyboardInterrupt:
-        tell("stopped")
-        return 130
+    return command("certified_bounds", Options, run, arguments, stopped="there is no summary")
 
 
 def run(options: Options) -> int:

@@ -16,6 +16,7 @@ from filter.angles import wrap
 from filter.arrays import Array, Floats
 from filter.belief import Belief
 from filter.ekf import GaussianBelief
+from filter.errors import Inconsistent
 from filter.polygon import Polygon
 from filter.projection import NOTHING, relative_position
 from filter.projector import project_all
@@ -58,7 +59,10 @@ def relative_regions(belief: Belief, pairs: Sequence[tuple[int, int]], team_filt
     """Return outer polygons around x_i - x_j for some pairs: the team's polytope projected onto each pair (eq. 3)."""
     planes = [relative_position(i, j, len(belief.regions)) for i, j in pairs]
     program, known = belief.polytope.program(), [NOTHING] * len(planes)
-    return [found.outer for found in project_all(program, planes, known, team_filter.solvers, team_filter.stop).found]
+    projections = project_all(program, planes, known, team_filter.solvers, team_filter.stop)
+    if projections.contradiction is not None:
+        raise Inconsistent(f"relative positions at {belief.time} s", [])
+    return [found.outer for found in projections.found]
 
 
 @dataclass

@@ -1,8 +1,8 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
 Read the modules in this order: errors, arrays, angles, plane, polygon, constraints, lp, scaling, solvers, polytope,
-reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, projector, belief,
-regions, rejection, set_membership.
+reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, projector, window,
+windows, belief, regions, rejection, set_membership.
 """
 
 from filter.angles import AngularIntervals
@@ -13,6 +13,7 @@ from filter.polygon import Polygon
 from filter.projection import Stop
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
+from filter.window import Window
 
 __all__ = [
     "AngularIntervals",
@@ -37,4 +38,5 @@ __all__ = [
     "Stop",
     "Team",
     "Unbounded",
+    "Window",
 ]

@@ -110,7 +110,8 @@ class Fallback:
 
     def __str__(self) -> str:
         what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
-        return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
+        failed = ", ".join(self.failed) or "anybody"
+        return f"{what}: no good answer of {failed}, {self.used or 'nobody'} took over"
 
 
 Event = Rejected | Fallback
@@ -163,8 +164,8 @@ class Region:
     Attributes:
         outer: Contains the robot, as long as every declared bound holds.
         inner: Every point of it is possible; None when nothing is known from inside (after a prediction, say).
-        searches: How many directions were searched.
-        reason: Why the search ended, or None when there was none.
+        searches: How many directions were searched, or how many edges of the exact projection were kept.
+        reason: What decided that (see `Projection`), or None when nothing was projected.
         causes: For each edge of the outer polygon the numbers of its sources in the belief's table; for a side of
             the box what the box comes from.
     """

@@ -74,6 +74,8 @@ class Constraints:
     def rows_of(self, i: int, j: int) -> Integers:
         """Return the rows on one pair, or with i = WORLD on one robot."""
         order, keys = self._groups
+        if j >= self._stride:  # beyond every row; its key would be another pair's
+            return order[:0]
         key = (i + 1) * self._stride + j
         return order[np.searchsorted(keys, key) : np.searchsorted(keys, key, side="right")]
 

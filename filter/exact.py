@@ -5,25 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from filter.arrays import Array, Integers
 from filter.lp import LinearProgram
-from filter.plane import EPSILON, area_of, worthy
-from filter.projection import NOTHING, HalfPlanes, Projection, Stop, certified_offsets, inner_polygon, outer_polygon
+from filter.plane import EPSILON
+from filter.projection import NOTHING, HalfPlanes, Projection, Reason, Stop, certified_offsets, inner_polygon, outer_polygon
 from filter.scaling import ScaledProgram
-from filter.shadow import no_trace, turn
-from filter.simplex import EMPTY, FOUND, OUTWARD, Basis, Rows, become_feasible, corner
+from filter.shadow import LONGEST, LONGEST_EACH, REASONS, SMALLEST, no_trace, simplified, turn
+from filter.simplex import EMPTY, FOUND, OUTWARD, Basis, Rows, become_feasible, corner, spread
 
-# A shadow with more edges than this is left to the search, and so is a walk of so many exchanges for each variable.
-LONGEST, LONGEST_EACH = 400, 50
 # An edge that is certified this much farther out than it was found, relative to the box, shows that the walk went wrong.
 LOOSE = 1e-7
 ROUNDING = 64 * EPSILON  # of a point far from the origin
-SMALLEST = 1e-100  # keeps a quotient finite
-# A vertex that violates a row by more than this share of the box shows the same.
-STRAYED = 1e-8
-# Edges whose normals turn by less are one.
-SAME = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +29,14 @@ class Shadow:
         multipliers: (t, r) for each of them, a weight for each row of the program.
         points: (p, v) a point of the polytope behind each vertex [m].
         reached: (t,) how far the vertices reach in the directions [m].
+        reason: What decided which edges matter.
     """
 
     directions: Array
     multipliers: Array
     points: Array
     reached: Array
+    reason: Reason
 
 
 class Walker:
@@ -50,7 +46,7 @@ class Walker:
         """Walk to the first vertex.
 
         Args:
-            program: With at most four non-zeros in a row.
+            program: With at most `MOST` non-zeros in a row.
         """
         self.program = program
         self._scaled = ScaledProgram.of(program)
@@ -59,6 +55,7 @@ class Walker:
         self.contradiction: Array | None = None  # (r,) candidate multipliers for a proof that the program is empty
         self._objective = np.zeros(0)
         self._basis: Basis | None = None
+        self._hopeless = False  # to begin again would end the same way
         self._begin()
 
     def shadow(self, D: Array, stop: Stop) -> Shadow | None:
@@ -68,7 +65,7 @@ class Walker:
             D: (2, v) the plane.
             stop: How many edges to keep of the exact polygon, and how much area may be added by leaving out the others.
         """
-        if self._basis is None:
+        if self._basis is None and not self._hopeless:
             self._begin()
         if self._basis is None:
             return None
@@ -83,32 +80,30 @@ class Walker:
             return None
         self._objective = first
         count = int(trace.filled[0])
-        if count == LONGEST or not self._holds(trace.point[:count]):
+        if count == LONGEST:
             self._basis = None
             return None
         points = self._scaled.points(trace.point[:count])
-        unit = float(np.prod(size))  # what an area in the scaled plane stands for [m2]
-        kept = _simplified(trace.normal[:count], trace.point[:count] @ np.stack([first, second], axis=1), unit, stop)
+        goal = (float(stop.performance_ratio), float(stop.area_gap), int(stop.searches))
+        kept, why = simplified(
+            trace.normal[:count], trace.point[:count] @ np.stack([first, second], axis=1), np.prod(size), goal
+        )
         normals = trace.normal[kept] / np.where(size > 0, size, 1.0)
         length = np.hypot(normals[:, 0], normals[:, 1])
         directions = normals / length[:, None]
         multipliers = self._scaled.multipliers(
             _dense(trace.basic[kept], trace.prices[kept], len(self._scaled.live)), 1 / length
         )
-        return Shadow(directions, multipliers, points, ((points[kept] @ D.T) * directions).sum(axis=1))
-
-    def _holds(self, points: Array) -> bool:
-        """Return whether the walk has kept to the polytope: a point beyond it makes a bound that is right but far off."""
-        return bool(((self._scaled.G @ points.T).T - self._scaled.h <= STRAYED).all() and (np.abs(points) <= 1 + STRAYED).all())
+        multipliers = self.program.essential(directions @ D, multipliers)
+        return Shadow(directions, multipliers, points, ((points[kept] @ D.T) * directions).sum(axis=1), REASONS[why])
 
     def _begin(self) -> None:
         variables = len(self._scaled.free)
-        spread = np.modf(np.arange(1, variables + 1) * 0.6180339887498949)[0]  # any direction in which nothing is parallel
-        prices = 0.5 + 0.5 * spread
+        prices = 0.5 + 0.5 * spread(np.arange(1, variables + 1))  # towards any corner, as long as nothing is parallel
         self._objective = prices * np.where(np.arange(variables) % 2, 1.0, -1.0)
         basis = corner(self._rows, self._objective)
         how, contradicted = become_feasible(self._rows, basis, prices, self._limit)
-        self._basis = basis if how == FOUND else None
+        self._basis, self._hopeless = (basis, False) if how == FOUND else (None, True)
         if how == EMPTY:
             self.contradiction = self._farkas(basis, contradicted)
 
@@ -134,14 +129,15 @@ def project_exactly(
         known: Half-planes that contain the projection anyway; they cut the outer polygon.
     """
     certified = certified_offsets(program, D, shadow.directions, shadow.multipliers)
-    allowed = LOOSE * (np.abs(D) @ program.radius).max() + ROUNDING * (np.abs(D) @ np.abs(program.centre)).max()
+    allowed = LOOSE * (np.abs(D) @ program.radius).max() + ROUNDING * (np.abs(D) @ np.abs(program.centre)).max() + SMALLEST
     if not (certified - shadow.reached <= allowed).all():
         return None
+    extent = np.abs(shadow.directions @ D) @ program.radius
+    gap = float(np.max(np.abs(certified - shadow.reached) / np.maximum(extent, SMALLEST), initial=0.0))
     inner = None if interior is None else inner_polygon(program, D, shadow.points, interior)
     nothing, edges = np.zeros(0), (shadow.directions, certified)
-    return Projection(
-        *outer_polygon(program, D, edges, known), inner, shadow.directions, shadow.multipliers, nothing, nothing, "exact"
-    )
+    outer, proofs = outer_polygon(program, D, edges, known), sparse.csr_array(shadow.multipliers)
+    return Projection(*outer, inner, shadow.directions, proofs, nothing, nothing, shadow.reason, gap)
 
 
 def _rows(scaled: ScaledProgram) -> Rows:
@@ -154,8 +150,8 @@ def _rows(scaled: ScaledProgram) -> Rows:
     column[row, place], value[row, place] = G.indices, G.data
     column[rows:, 0] = np.tile(np.arange(variables), 2)
     value[rows:, 0] = np.repeat([1.0, -1.0], variables)
-    spread = np.modf(np.arange(rows + 2 * variables) * 0.6180339887498949)[0]
-    return Rows(column, value, np.append(scaled.h, np.ones(2 * variables)) + OUTWARD * (1 + spread))
+    moved = OUTWARD * (1 + spread(np.arange(rows + 2 * variables)))
+    return Rows(column, value, np.append(scaled.h, np.ones(2 * variables)) + moved)
 
 
 def _dense(basic: Integers, prices: Array, rows: int) -> Array:
@@ -164,17 +160,3 @@ def _dense(basic: Integers, prices: Array, rows: int) -> Array:
     at, k = np.nonzero(basic < rows)
     dense[at, basic[at, k]] = np.maximum(prices[at, k], 0.0)
     return dense
-
-
-def _simplified(normals: Array, vertices: Array, unit: float, stop: Stop) -> Integers:
-    """Return the (k,) edges to keep of a polygon with (t, 2) normals; each edge ends at its vertex."""
-    following = np.roll(normals, -1, axis=0)
-    distinct = np.flatnonzero(
-        (np.abs(normals[:, 0] * following[:, 1] - normals[:, 1] * following[:, 0]) > SAME)
-        | ((normals * following).sum(axis=1) < 0)
-    )
-    middle = vertices.mean(axis=0)
-    offsets = ((vertices - middle) * normals).sum(axis=1)
-    allowance = max(area_of(vertices) * (1 / max(stop.performance_ratio, SMALLEST) - 1), stop.area_gap / max(unit, SMALLEST))
-    everything = np.ones(len(distinct), dtype=bool)
-    return distinct[worthy(normals[distinct], offsets[distinct], everything, stop.searches, allowance)]

@@ -166,8 +166,8 @@ def _distance_of_edges(vertices: Array) -> float:
 
 
 @njit(cache=True, nogil=True)
-def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> Mask:
-    """Return which edges of a polygon to keep so that little area is added.
+def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> tuple[Mask, float]:
+    """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
 
     Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
     the budget, or all that went add no more than the allowance.
@@ -181,6 +181,8 @@ def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowan
     """
     count = len(offsets)
     keep = np.ones(count, dtype=np.bool_)
+    if not count:
+        return keep, 0.0
     before, after = np.arange(-1, count - 1), np.arange(1, count + 1)
     before[0], after[count - 1] = count - 1, 0
     added = np.full(count, np.inf)
@@ -203,7 +205,7 @@ def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowan
         for k in (last, following):
             if removable[k]:
                 added[k] = _added_area(normals, offsets, before[k], k, after[k])
-    return keep
+    return keep, spent
 
 
 @njit(cache=True, nogil=True)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy import sparse
 
 from filter.arrays import Array, Integers, number, read_only, whole
 from filter.errors import InvalidInput
@@ -31,7 +32,7 @@ SMALLEST = 1e-100
 class Stop:
     """When a projection is good enough: at whichever comes first.
 
-    A search ends there; an exact projection is simplified, outward, as far as that.
+    A search ends there. An exact projection is simplified, outward, as far as that; it is never cut short by time.
 
     Attributes:
         performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
@@ -84,11 +85,12 @@ class Projection:
         edges: (e,) the search behind each edge of the outer polygon; from s on the known half-planes; negative for an
             edge of the program's box.
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
-        directions: (s, 2) searched directions, of length 1.
-        multipliers: (s, r) the proof of each outer edge, a weight for each row of the program.
+        directions: (s, 2) searched directions, or normals of the exact edges that were kept, of length 1.
+        multipliers: (s, r) the proof of each outer edge, weights of the program's rows.
         inner_areas: (s,) area inside after each search, as the solver has it [m2]; (0,) where nothing was searched.
         outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2]; or (0,).
-        reason: Why the search ended, by the areas as the solver has them.
+        reason: Why the search ended, by the areas as the solver has them; or what decided how many edges of an exact
+            projection were kept, "exact" when all were that matter.
         looseness: The most that what is proved in a direction differs from the point found for it, as a share of the
             box's extent; infinite when the solver gave up. A guess of the answers' quality, no proof of anything.
     """
@@ -97,14 +99,14 @@ class Projection:
     edges: Integers
     inner: Polygon | None
     directions: Array
-    multipliers: Array
+    multipliers: sparse.csr_array
     inner_areas: Array
     outer_areas: Array
     reason: Reason
     looseness: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("edges", "directions", "multipliers", "inner_areas", "outer_areas"):
+        for name in ("edges", "directions", "inner_areas", "outer_areas"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
@@ -169,8 +171,10 @@ def outer_polygon(program: LinearProgram, D: Array, edges: HalfPlanes, known: Ha
     terms = 4 + np.count_nonzero(D, axis=1)
     reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
     normals, offsets = np.concatenate([edges[0], known[0]]), np.concatenate([edges[1], known[1]])
-    # None: proved to be empty, though the caller's interior says otherwise; the box contains the empty set, too.
     kept = clip(normals, offsets, middle - reach, middle + reach)
+    if kept is None:  # the set is empty, which nobody has proved with names; what was known and the box contain it, too
+        kept = clip(known[0], known[1], middle - reach, middle + reach)
+        kept = kept and (kept[0], np.where(kept[1] >= 0, kept[1] + len(edges[0]), kept[1]))
     return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
 
 

@@ -12,11 +12,14 @@ from filter.exact import Walker, project_exactly
 from filter.lp import LinearProgram
 from filter.projection import HalfPlanes, Projection, Stop
 from filter.search import project
+from filter.simplex import MOST
 from filter.solvers import Candidate, Chain, Solver, deepest_point, name_of
 
 EXACT = "exact"  # no solver: a walk over the vertices
 # Where what is proved differs from what a solver found by more than this share of the box, another solver is asked.
 LOOSE = 1e-3
+# The inverse that a walk takes along is dense. Beyond so many coordinates a search in the sparse program is cheaper.
+LARGEST = 100
 
 
 @dataclass(frozen=True)
@@ -64,18 +67,25 @@ def project_all(
         solvers: What searches; the first may be "exact", for walks over the vertices.
         stop: When a projection is good enough.
     """
-    broken = _broken_row(program)
+    broken = broken_row(program)
     if broken is not None:
         return Projections(contradiction=broken)
-    if solvers[0] != EXACT:
+    if EXACT not in solvers[:1]:
         return _searched(program, planes, known, solvers, stop)
+    if not _is_walkable(program) and solvers[1:]:
+        return _searched(program, planes, known, solvers[1:], stop)
     walker = Walker(program)
     if walker.contradiction is not None and program.proves_empty(walker.contradiction):
         return Projections(contradiction=walker.contradiction)
     return _walked(walker, planes, known, solvers, stop)
 
 
-def _broken_row(program: LinearProgram) -> Array | None:
+def _is_walkable(program: LinearProgram) -> bool:
+    """Return whether a walk can be made, and is cheaper than a search."""
+    return len(program.lower) <= LARGEST and int(np.diff(program.A.indptr).max(initial=0)) <= MOST
+
+
+def broken_row(program: LinearProgram) -> Array | None:
     """Return the multipliers of a row that no point of the box satisfies, or None: it is no row for a solver."""
     room = program.slack + abs(program.A) @ program.radius
     multipliers = np.zeros(len(room))
@@ -91,22 +101,22 @@ def _walked(
     program = walker.program
     shadows = [walker.shadow(D, stop) for D in planes]
     middle = _middle(program, [shadow.points for shadow in shadows if shadow])
-    interior = middle if middle is not None else _interior(program, solvers[1:]).point
+    inside = _Interior(middle) if middle is not None else _interior(program, solvers[1:])
+    if inside.contradiction is not None:  # a set that is empty by less than a walk can see
+        return Projections(contradiction=inside.contradiction)
     trios = zip(shadows, planes, known, strict=True)
-    found = [shadow and project_exactly(program, shadow, D, interior, lines) for shadow, D, lines in trios]
+    found = [shadow and project_exactly(program, shadow, D, inside.point, lines) for shadow, D, lines in trios]
     lost = [k for k, each in enumerate(found) if each is None]
     if not lost:
-        return Projections(tuple(each for each in found if each))
-    instead = _searched(program, [planes[k] for k in lost], [known[k] for k in lost], solvers[1:], stop)
-    if instead.contradiction is not None:
-        return instead
-    used = {failure.plane: failure for failure in instead.failures}
-    failures = [used.get(None)] if None in used else []
+        return Projections(tuple(each for each in found if each), inside.failures)
+    instead = _searched(program, [planes[k] for k in lost], [known[k] for k in lost], solvers[1:], stop, inside=inside)
+    used = {failure.plane: failure for failure in instead.failures if failure.plane is not None}
+    failures = list(inside.failures)
     for place, k in enumerate(lost):
         failed = used.get(place, Failure(place, (), name_of(solvers[1]) if solvers[1:] else None))
         failures.append(Failure(k, (EXACT, *failed.failed), failed.used))
         found[k] = instead.found[place]
-    return Projections(tuple(each for each in found if each), tuple(each for each in failures if each))
+    return Projections(tuple(each for each in found if each), tuple(failures))
 
 
 def _middle(program: LinearProgram, points: Sequence[Array]) -> Array | None:
@@ -138,9 +148,15 @@ def _interior(program: LinearProgram, solvers: Sequence[Solver]) -> _Interior:
 
 
 def _searched(
-    program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], solvers: Sequence[Solver], stop: Stop
+    program: LinearProgram,
+    planes: Sequence[Array],
+    known: Sequence[HalfPlanes],
+    solvers: Sequence[Solver],
+    stop: Stop,
+    *,
+    inside: _Interior | None = None,
 ) -> Projections:
-    inside = _interior(program, solvers)
+    inside = inside or _interior(program, solvers)
     if inside.contradiction is not None:
         return Projections(contradiction=inside.contradiction)
     chain = Chain(program, solvers)

@@ -41,4 +41,5 @@ def worthy_edges(polygon: Polygon, edges: Integers, budget: int) -> Integers:
         budget: How many rows may stay.
     """
     offsets = polygon.offsets - polygon.normals @ polygon.centroid
-    return edges[worthy(polygon.normals, offsets, edges >= 0, budget, -1.0) & (edges >= 0)]
+    keep, _ = worthy(polygon.normals, offsets, edges >= 0, budget, -1.0)
+    return edges[keep & (edges >= 0)]

@@ -7,19 +7,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from scipy import sparse
 
 from filter.arrays import Array, Integers
 from filter.belief import Event, Fallback, Proof, Region, Sources
 from filter.constraints import WORLD, Constraints
 from filter.errors import Inconsistent
-from filter.lp import LinearProgram
 from filter.polygon import SIDES, Polygon
 from filter.polytope import Polytope
 from filter.projection import Projection, Stop, position
-from filter.projector import project_all
+from filter.projector import Projections, project_all
 from filter.solvers import Solver
+from filter.window import Window
+from filter.windows import project_windows
+
+Scope = Literal["team"] | Window
 
 # Boxes of so many robots are proved at a time.
 TOGETHER = 32
@@ -57,8 +62,10 @@ class Searched:
     proofs: tuple[Proof, ...]
 
 
-def searched(time: float, polytope: Polytope, sources: Sources, solvers: Sequence[Solver], stop: Stop) -> Searched:
-    """Search every robot's region in the whole team's polytope.
+def searched(
+    time: float, polytope: Polytope, sources: Sources, solvers: Sequence[Solver], *, stop: Stop, scope: Scope = "team"
+) -> Searched:
+    """Search every robot's region in the whole team's polytope, or in the robot's window of it.
 
     The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
     is taken; with what was propagated it is always a region, only a larger one.
@@ -67,12 +74,12 @@ def searched(time: float, polytope: Polytope, sources: Sources, solvers: Sequenc
         Inconsistent: The polytope is proved to be empty.
     """
     robots = len(polytope.lower)
-    known = [polytope.constraints.select(polytope.constraints.rows_of(WORLD, robot)) for robot in range(robots)]
-    planes = [position(robot, robots) for robot in range(robots)]
-    program = polytope.program()
-    projections = project_all(program, planes, [(rows.normal, rows.offset) for rows in known], solvers, stop)
+    if isinstance(scope, Window):
+        projections = project_windows(polytope, scope, solvers, stop)
+    else:
+        projections = _in_the_team(polytope, solvers, stop)
     if projections.contradiction is not None:
-        conflict = sorted(_conflict(polytope, program, projections.contradiction), key=lambda k: (sources.time[k], k))
+        conflict = sorted(_conflict(polytope, projections.contradiction), key=lambda k: (sources.time[k], k))
         raise Inconsistent(f"at {time} s", [sources[number] for number in conflict])
     table, numbers = sources.extended("region", time, np.arange(robots))
     regions, own, edged = [], [], []
@@ -90,8 +97,16 @@ def searched(time: float, polytope: Polytope, sources: Sources, solvers: Sequenc
     return Searched(smaller, tuple(regions), table, events, (*proofs, *boxes))
 
 
-def _conflict(polytope: Polytope, program: LinearProgram, multipliers: Array) -> Integers:
+def _in_the_team(polytope: Polytope, solvers: Sequence[Solver], stop: Stop) -> Projections:
+    robots, rows = len(polytope.lower), polytope.constraints
+    own = [rows.rows_of(WORLD, robot) for robot in range(robots)]
+    known = [(rows.normal[each], rows.offset[each]) for each in own]
+    return project_all(polytope.program(), [position(robot, robots) for robot in range(robots)], known, solvers, stop)
+
+
+def _conflict(polytope: Polytope, multipliers: Array) -> Integers:
     """Return the numbers of the sources of a Farkas certificate (r,), of as few rows as still prove it."""
+    program = polytope.program()
     kept = (np.where(multipliers > share * multipliers.max(), multipliers, 0) for share in SHARES)
     proof = next((weights for weights in kept if program.proves_empty(weights)), multipliers)
     return np.unique(polytope.constraints.source[proof > 0])
@@ -103,18 +118,17 @@ def _region(
     """Return a projection as a region with its causes, its edges as rows, and its edges' proofs."""
     rows = polytope.constraints.rows_of(WORLD, robot)
     known = polytope.constraints.source[rows]
-    weights = np.zeros((len(found.edges), len(polytope.constraints)))
-    by_search, by_row = found.edges[found.edges >= 0], found.edges - found.searches
-    is_searched = (found.edges >= 0) & (by_row < 0)
-    weights[is_searched] = found.multipliers[found.edges[is_searched]]
-    weights[by_row >= 0, rows[by_row[by_row >= 0]]] = 1.0
-    claim, row = np.nonzero(weights)
-    cuts = np.searchsorted(claim, np.arange(1, len(weights)))
+    count, fixed = len(found.edges), np.flatnonzero(found.edges >= 0)
+    by_search = found.edges[fixed]
+    itself = sparse.csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), shape=(len(rows), len(polytope.constraints)))
+    every = sparse.csr_array(sparse.vstack([found.multipliers, itself]))
+    weights = every[by_search]
+    claim, row = np.repeat(fixed, np.diff(weights.indptr)), weights.indices
+    cuts = np.searchsorted(claim, np.arange(1, count))
     box = polytope.source_of_box(robot)
     causes = tuple(np.unique(part) if len(part) else box for part in np.split(polytope.constraints.source[row], cuts))
-    outer, whose = found.outer, np.full(len(weights), robot)
-    proof = Proof(polytope, sources, whose, outer.normals, outer.offsets, claim, row, weights[claim, row])
-    fixed = found.edges >= 0
+    outer, whose = found.outer, np.full(count, robot)
+    proof = Proof(polytope, sources, whose, outer.normals, outer.offsets, claim, row, weights.data)
     source = np.append(np.full(found.searches, number), known)[by_search]
     edges = Constraints.on_robot(robot, outer.normals[fixed], outer.offsets[fixed], source)
     return Region(outer, found.inner, found.searches, found.reason, causes), edges, proof

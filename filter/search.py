@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+from scipy import sparse
 
 from filter.arrays import Array
 from filter.lp import LinearProgram
@@ -60,7 +61,7 @@ def project(
         *outer_polygon(program, D, (directions, certified), known),
         inner_polygon(program, D, points, interior),
         directions,
-        multipliers,
+        sparse.csr_array(multipliers),
         np.array(search.inner_areas),
         np.array(search.outer_areas),
         search.reason,

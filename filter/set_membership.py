@@ -20,7 +20,7 @@ from filter.polytope import Polytope
 from filter.projection import Stop
 from filter.projector import EXACT
 from filter.pruning import prune
-from filter.regions import regions_at_a_glance, searched
+from filter.regions import Scope, regions_at_a_glance, searched
 from filter.rejection import agreeing
 from filter.sensing import (
     TANGENT_SPACING,
@@ -34,6 +34,7 @@ from filter.sensing import (
 )
 from filter.solvers import Solver, check_solver
 from filter.team import Team
+from filter.window import Window
 
 Policy = Literal["raise", "reject"]
 
@@ -51,6 +52,7 @@ class SetMembershipFilter:
         rows_per_pair: How many rows on one pair survive pruning, from 4 on.
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
+        scope: "team" for regions from all that the team knows; a `Window` for regions from what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief.
         fallbacks: Solvers that are asked in turn where the first one's answers are no good.
@@ -65,6 +67,7 @@ class SetMembershipFilter:
     rows_per_robot: int = 12
     rows_per_pair: int = 8
     tangent_spacing: float = TANGENT_SPACING
+    scope: Scope = "team"
     policy: Policy = "raise"
     fallbacks: tuple[Solver, ...] = ("piqp", "highs")
 
@@ -72,6 +75,8 @@ class SetMembershipFilter:
         check_solver(self.solver, [EXACT])
         for solver in self.fallbacks:
             check_solver(solver)
+        if self.scope != "team" and not isinstance(self.scope, Window):
+            raise InvalidInput('a scope, "team" or a Window', repr(self.scope))
         if self.policy not in get_args(Policy):
             raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", repr(self.policy))
         whole("rows_per_robot", self.rows_per_robot, low=4)
@@ -153,7 +158,7 @@ class SetMembershipFilter:
         sources, numbered = _numbered(belief.sources, measurements)
         headings = self._headings(belief, measurements)
         polytope = self._pruned(self._merged(belief.polytope, headings, numbered))
-        found = searched(belief.time, polytope, sources, self.solvers, self.stop)
+        found = searched(belief.time, polytope, sources, self.solvers, stop=self.stop, scope=self.scope)
         pruned = self._pruned(found.polytope)
         belief = Belief(belief.time, pruned, headings, found.regions, found.sources, found.events, found.proofs)
         return belief.compact()

@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 
 from filter.arrays import Array, Integers
+from filter.plane import area_of, worthy
+from filter.projection import Reason
 from filter.simplex import (
     FOUND,
     LOST,
@@ -29,6 +31,20 @@ from filter.simplex import (
     walk,
 )
 
+# A shadow with more edges than this is left to the search, and so is a walk of so many exchanges for each variable.
+LONGEST, LONGEST_EACH = 400, 50
+# A vertex that violates a row by more than this share of the box shows that the walk has strayed.
+STRAYED = 1e-8
+# Edges whose normals turn by less are one.
+SAME = 1e-13
+# What decides how many edges are kept, as in `Projection`.
+REASONS: tuple[Reason, ...] = ("exact", "performance ratio", "area gap", "searches")
+# Edges that together add less than this share of the allowance are rounding.
+NEGLIGIBLE = 1e-6
+# A price below this says that a row does not matter; an exchange leaves as much of a zero.
+WORTHLESS = 1e-12
+# What is divided by is never smaller.
+SMALLEST = 1e-100
 # An edge whose shadow is shorter than this share of the plane's unit has none.
 NO_SHADOW = 1e-11
 
@@ -86,7 +102,7 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
         until = left if k < 0 else np.arctan2(max(0.0, x * across[k] + y * up[k]), y * across[k] - x * up[k])
         _keep_between(trace, basis, across, up, x, y, min(until, left))
         if until >= left:
-            return FOUND
+            return LOST if _strayed(basis) else FOUND
         turned += until
         length = np.hypot(across[k], up[k])
         x, y = -up[k] / length, across[k] / length
@@ -121,9 +137,11 @@ def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
 
 @njit(cache=True, nogil=True)
 def _first_to_block(basis: Basis, rates: Array) -> int:
-    """Return the row that is met first; of rows met at the same place, the steepest. Negative when there is none."""
+    """Return the row that is met first; of rows met at the same place, the steepest. Negative when lost: there is none."""
     chosen = -1
     for i in range(len(rates)):
+        if not basis.slack[i] >= -STRAYED:  # nor is it a number, then
+            return -1
         if rates[i] > PARALLEL and not basis.is_basic[i]:
             if chosen < 0:
                 chosen = i
@@ -132,6 +150,15 @@ def _first_to_block(basis: Basis, rates: Array) -> int:
             if difference < 0 or (difference == 0 and rates[i] > rates[chosen]):
                 chosen = i
     return chosen
+
+
+@njit(cache=True, nogil=True)
+def _strayed(basis: Basis) -> bool:
+    """Return whether the vertex violates a row, or is none any more: a bound from there would be right, but far off."""
+    for slack in basis.slack:  # noqa: SIM110
+        if not slack >= -STRAYED:
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -152,3 +179,37 @@ def _keep_between(trace: Trace, basis: Basis, across: Array, up: Array, x: float
     for piece in range(1, pieces):
         cosine, sine = np.cos(until * piece / pieces), np.sin(until * piece / pieces)
         _keep(trace, basis, across, up, x * cosine - y * sine, x * sine + y * cosine)
+
+
+@njit(cache=True, nogil=True)
+def simplified(normals: Array, vertices: Array, unit: float, goal: tuple[float, float, int]) -> tuple[Integers, int]:
+    """Return the edges to keep of a shadow, for it to grow by little, and what decided, a place in `REASONS`.
+
+    Args:
+        normals: (t, 2) of the edges.
+        vertices: (t, 2) where each ends.
+        unit: What an area of 1 stands for [m2].
+        goal: As in `Stop`: performance ratio, area gap [m2] and greatest number of edges.
+    """
+    count, some = len(normals), 0
+    distinct, middle = np.empty(count, dtype=np.int64), np.zeros(2)
+    for k in range(count):
+        following = (k + 1) % count
+        middle += vertices[k] / count
+        turned = normals[k, 0] * normals[following, 1] - normals[k, 1] * normals[following, 0]
+        if abs(turned) > SAME or normals[k, 0] * normals[following, 0] + normals[k, 1] * normals[following, 1] < 0:
+            distinct[some] = k
+            some += 1
+    distinct = distinct[:some]
+    offsets = np.empty(some)
+    for at in range(some):
+        k = distinct[at]
+        offsets[at] = normals[k, 0] * (vertices[k, 0] - middle[0]) + normals[k, 1] * (vertices[k, 1] - middle[1])
+    ratio, gap, budget = goal
+    by_ratio, by_gap = area_of(vertices) * (1 / max(ratio, SMALLEST) - 1), gap / max(unit, SMALLEST)
+    keep, spent = worthy(normals[distinct], offsets, np.ones(some, dtype=np.bool_), budget, max(by_ratio, by_gap))
+    if spent > max(by_ratio, by_gap):
+        return distinct[keep], 3
+    if spent <= NEGLIGIBLE * by_ratio:
+        return distinct[keep], 0
+    return distinct[keep], 1 if by_ratio >= by_gap else 2

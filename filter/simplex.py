@@ -6,13 +6,14 @@ candidate: what the walk finds is judged by `LinearProgram`, so rounding can cos
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from filter.arrays import Array, Integers, Mask
 
+MOST = 4  # non-zeros in a row: two coordinates of two robots
 # Rows are moved outward by up to twice this [share of the box], each by another amount, so that no two vertices coincide.
 OUTWARD = 1e-10
 # A row is violated beyond this, far below what it was moved by.
@@ -23,6 +24,12 @@ PARALLEL = 1e-11
 MENDED_AFTER = 32
 
 FOUND, EMPTY, LOST = 0, 1, 2  # how a walk ends
+
+
+@njit(cache=True, nogil=True)
+def spread(k: Any) -> Any:
+    """Return a number in [0, 1) for each whole number k, evenly spread, no two alike: multiples of the golden ratio."""
+    return (k * 0.6180339887498949) % 1.0
 
 
 class Rows(NamedTuple):

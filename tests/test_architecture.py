@@ -25,7 +25,8 @@ PLAIN = {
     "typing",
 }
 # What some modules of the filter may use besides.
-AND = {"solvers": {"piqp", "qpsolvers", "highspy"}, "plane": {"numba"}, "simplex": {"numba"}, "shadow": {"numba"}}
+COMPILED = ("plane", "simplex", "shadow", "window", "windows")
+AND = {"solvers": {"piqp", "qpsolvers", "highspy"}} | {name: {"numba"} for name in COMPILED}
 MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
 ORDER = [
     "errors",
@@ -50,6 +51,8 @@ ORDER = [
     "shadow",
     "exact",
     "projector",
+    "window",
+    "windows",
     "belief",
     "regions",
     "rejection",

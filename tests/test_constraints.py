@@ -75,3 +75,14 @@ def test_the_allowance_of_a_row_covers_a_normal_that_is_off_by_rounding(far):
         for corner_j in (lower, upper):
             difference = corner_j[rows.j] - corner_i[rows.i]
             assert (np.abs(((off - rows.normal) * difference).sum(axis=1)) <= allowed).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_rows_of_a_pair_are_those_and_no_others(seed):
+    """Also of robots that have none, beyond the last robot that has some."""
+    rng = np.random.default_rng(seed)
+    rows = some_rows(rng, robots=int(rng.integers(2, 6)), count=int(rng.integers(0, 9)))
+    rows = Constraints.concatenate([rows, Constraints.on_robot(1, unit(np.array([0.5])), np.zeros(1), np.array([99]))])
+    for i in range(WORLD, 9):
+        for j in range(max(i, WORLD) + 1, 9):
+            assert sorted(rows.rows_of(i, j)) == np.flatnonzero((rows.i == i) & (rows.j == j)).tolist()

@@ -1,5 +1,7 @@
 """The exact projection: against HiGHS, against the search, on degenerate programs; and what it proves of empty ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -137,10 +139,10 @@ def test_a_dropped_proof_costs_tightness_and_nothing_else():
         shadow.multipliers * np.nan,
         shadow.multipliers[::-1],
     ):
-        wrong = type(shadow)(shadow.directions, spoilt, shadow.points, np.full(len(shadow.reached), np.inf))
+        wrong = replace(shadow, multipliers=spoilt, reached=np.full(len(shadow.reached), np.inf))
         outer = project_exactly(program, wrong, D, None).outer
         assert outer.contains(exact.vertices * (1 - 1e-9) + exact.centroid * 1e-9).all()
-        unnoticed = type(shadow)(shadow.directions, spoilt, shadow.points, shadow.reached)
+        unnoticed = replace(shadow, multipliers=spoilt)
         assert project_exactly(program, unnoticed, D, None) is None
 
 
@@ -166,7 +168,7 @@ def test_an_empty_program_is_never_projected(seed):
     program = random_program(rng, 3, 40)
     j = int(rng.integers(0, 6))
     cut = sparse.csr_array(([1.0, -1.0], ([0, 1], [j, j])), shape=(2, 6))
-    gap = 10.0 ** -rng.integers(1, 7)
+    gap = 10.0 ** -rng.integers(1, 10)
     middle = program.centre[j]
     empty = LinearProgram(
         sparse.csr_array(sparse.vstack([program.A, cut])),
@@ -174,9 +176,57 @@ def test_an_empty_program_is_never_projected(seed):
         program.lower,
         program.upper,
     )
-    found = project_all(empty, [position(0, 3)], [NOTHING], [EXACT, "piqp"], EVERYTHING)
+    found = project_all(empty, [position(0, 3)], [NOTHING], [EXACT, "piqp", "highs"], EVERYTHING)
     assert found.contradiction is not None
     assert empty.proves_empty(found.contradiction)
+
+
+def test_a_set_that_is_empty_by_less_than_a_walk_sees_is_proved_empty_by_others():
+    A = sparse.csr_array([[1.0, 0.0], [-1.0, 0.0]])
+    for gap in (1e-5, 5e-9, 1e-11):
+        program = LinearProgram(A, np.array([50.0, -50.0 - gap]), np.zeros(2), np.full(2, 100.0))
+        found = project_all(program, [np.eye(2)], [NOTHING], [EXACT, "piqp", "highs"], EVERYTHING)
+        assert program.proves_empty(found.contradiction)
+        # with nobody to prove it, what was known is left, and not the box
+        known = np.array([[1.0, 0.0]]), np.array([50.0])
+        (left,) = project_all(program, [np.eye(2)], [known], [EXACT], EVERYTHING).found or (None,)
+        assert left is None or left.outer.bounds[1][0] < 50.1
+
+
+def test_edges_rest_on_rows_that_matter():
+    world = World(np.random.default_rng(5), robots=4)
+    estimator = SetMembershipFilter(world.team)
+    belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
+    assert min(proof.multiplier.min() for proof in belief.proofs[:4]) > 1e-10
+
+
+def test_a_row_of_more_than_four_entries_is_left_to_a_search():
+    program = LinearProgram(sparse.csr_array(np.ones((1, 6))), np.zeros(1), -np.ones(6), np.ones(6))
+    (found,) = project_all(program, [position(0, 3)], [NOTHING], [EXACT, "piqp"], EVERYTHING).found
+    assert found.outer.area == pytest.approx(4.0)
+
+
+def test_a_team_of_anchored_robots_is_no_trouble():
+    estimator = SetMembershipFilter(Team(2))
+    belief = estimator.start(0.0, [Polygon.box([0, 0], [0, 0]), Polygon.box([1, 0], [1, 0])])
+    after = estimator.update(belief, [Range(0.0, 0, 1, 1.0, 0.1, 0.0)])
+    assert [region.outer.area for region in after.regions] == pytest.approx([0, 0], abs=1e-12)
+    with pytest.raises(Inconsistent):
+        estimator.update(belief, [Range(0.0, 0, 1, 5.0, 0.1, 0.0)])
+
+
+def test_the_reason_says_what_decided():
+    angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    A = sparse.csr_array(np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    program = LinearProgram(A, np.ones(60), -2 * np.ones(2), 2 * np.ones(2))
+    decided = {
+        "searches": Stop(0.9999, searches=4),
+        "performance ratio": Stop(0.9, searches=60),
+        "area gap": Stop(1.0, area_gap=0.3, searches=60),
+        "exact": Stop(1.0, searches=100),
+    }
+    for reason, stop in decided.items():
+        assert projected(program, np.eye(2), stop).reason == reason
 
 
 def test_a_walk_that_is_lost_is_replaced_by_a_search(monkeypatch):

@@ -64,7 +64,7 @@ def test_inner_vertices_are_possible_and_outer_edges_are_proved_in_exact_arithme
     program = random_program(rng, robots=2, rows=10)
     found = projected(program, position(0, 2), stop=Stop(searches=8))
     directions = found.directions
-    bounds = program.certified_bounds(directions @ position(0, 2), found.multipliers)
+    bounds = program.certified_bounds(directions @ position(0, 2), found.multipliers.toarray())
     for k, edge in enumerate(found.edges):
         if edge >= 0:
             assert found.outer.offsets[k] == bounds[edge]

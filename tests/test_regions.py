@@ -31,7 +31,7 @@ def two_robots(offset):
 @pytest.mark.parametrize("solver", ["piqp", "highs"])
 def test_regions_are_what_the_pair_implies_and_their_edges_name_why(solver):
     polytope, sources = two_robots(1.5)
-    found = searched(1.0, polytope, sources, [solver], Stop())
+    found = searched(1.0, polytope, sources, [solver], stop=Stop())
     left, regions, table = found.polytope, found.regions, found.sources
     assert regions[0].outer.bounds[0] == pytest.approx([0.5, 0], abs=1e-6)
     assert regions[1].outer.bounds[1] == pytest.approx([2.5, 1], abs=1e-6)
@@ -47,13 +47,13 @@ def test_what_excludes_one_another_is_named_the_newest_last(solver):
     with pytest.raises(
         Inconsistent, match=r"at 1\.0 s: .*initial set of robot 1 at 0\.000 s; range of robot 0 to 1 at 1\.000 s"
     ) as raised:
-        searched(1.0, polytope, sources, [solver], Stop())
+        searched(1.0, polytope, sources, [solver], stop=Stop())
     assert [source.kind for source in raised.value.sources] == ["initial set", "range"]
 
 
 def test_regions_that_just_touch_are_not_inconsistent():
     polytope, sources = two_robots(1.0)
-    regions = searched(1.0, polytope, sources, ["piqp"], Stop()).regions
+    regions = searched(1.0, polytope, sources, ["piqp"], stop=Stop()).regions
     assert regions[0].outer.contains([1.0, 0.5])
     assert regions[1].outer.contains([2.0, 0.5])
 

@@ -1,0 +1,183 @@
+"""Regions in windows: sound, near those of the whole team, the same as theirs when a window holds everybody."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from test_exact import EVERYTHING, random_program
+from worlds import World, escapes
+
+from filter import windows
+from filter.angles import AngularIntervals
+from filter.errors import Inconsistent, InvalidInput
+from filter.measurements import Range
+from filter.polygon import Polygon
+from filter.polytope import Polytope
+from filter.projection import NOTHING, Stop, position
+from filter.projector import EXACT, project_all
+from filter.set_membership import SetMembershipFilter
+from filter.team import Team
+from filter.window import Window, links, members_of
+from filter.windows import project_windows
+
+FULL = Window(hops=9, robots=99)
+
+
+def merged(seed, robots=5, errors="uniform"):
+    """Return the polytope of a team after some steps, as it is before a search."""
+    world = World(np.random.default_rng(seed), robots=robots, errors=errors)
+    caught = []
+    estimator = SetMembershipFilter(world.team)
+    with pytest.MonkeyPatch.context() as patch:
+        from filter import set_membership
+
+        original = set_membership.searched
+        patch.setattr(
+            set_membership,
+            "searched",
+            lambda time, polytope, *a, **k: caught.append(polytope) or original(time, polytope, *a, **k),
+        )
+        belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
+        for motion, records in world.steps(2):
+            belief = estimator.update(estimator.predict(belief, motion.time, motion), records)
+    return caught[-1]
+
+
+def team_regions(polytope):
+    robots = len(polytope.lower)
+    known = [
+        (polytope.constraints.normal[k], polytope.constraints.offset[k])
+        for k in (polytope.constraints.rows_of(-1, r) for r in range(robots))
+    ]
+    return project_all(
+        polytope.program(), [position(r, robots) for r in range(robots)], known, [EXACT, "piqp"], EVERYTHING
+    ).found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_window_of_everybody_gives_the_regions_of_the_team(seed):
+    polytope = merged(seed)
+    for mine, theirs in zip(project_windows(polytope, FULL, [EXACT], EVERYTHING).found, team_regions(polytope), strict=True):
+        assert mine.outer.area == pytest.approx(theirs.outer.area, rel=1e-6)
+        assert (mine.outer.support(theirs.outer.normals) >= theirs.outer.support(theirs.outer.normals) - 1e-8).all()
+
+
+@pytest.mark.parametrize("robots", [2, 3])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_smaller_window_gives_larger_regions(seed, robots):
+    polytope = merged(seed)
+    for mine, theirs in zip(
+        project_windows(polytope, Window(1, robots), [EXACT], EVERYTHING).found, team_regions(polytope), strict=True
+    ):
+        assert mine.outer.contains(theirs.inner.vertices).all()
+        assert mine.inner is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_offset_is_proved_by_its_rows_in_exact_arithmetic(seed):
+    polytope = merged(seed, errors="extreme" if seed % 2 else "uniform")
+    rows = polytope.constraints
+    for robot, found in enumerate(project_windows(polytope, Window(1, 4), [EXACT], Stop()).found):
+        for k in range(found.searches):
+            proof = found.multipliers[[k]].tocoo()
+            direction = {(robot, m): Fraction(found.directions[k, m]) for m in range(2)}
+            bound = Fraction(0)
+            for row, price in zip(proof.coords[1].tolist(), map(Fraction, proof.data.tolist()), strict=True):
+                bound += price * Fraction(rows.offset[row])
+                for body, sign in ((int(rows.j[row]), 1), (int(rows.i[row]), -1)):
+                    for m in range(2) if body >= 0 else ():
+                        direction[body, m] = direction.get((body, m), Fraction(0)) - sign * price * Fraction(
+                            rows.normal[row, m]
+                        )
+            for (body, m), left in direction.items():
+                bound += max(left * Fraction(polytope.lower[body, m]), left * Fraction(polytope.upper[body, m]))
+            edge = np.flatnonzero(found.edges == k)
+            assert all(bound <= Fraction(offset) for offset in found.outer.offsets[edge])
+            assert all(offset - float(bound) < 1e-7 for offset in found.outer.offsets[edge])
+
+
+@pytest.mark.parametrize("errors", ["uniform", "extreme"])
+@pytest.mark.parametrize("window", [Window(1, 2), Window(1, 12), Window(2, 3)])
+def test_no_robot_escapes(errors, window):
+    world = World(np.random.default_rng(7), robots=6, errors=errors)
+    estimator = SetMembershipFilter(world.team, scope=window)
+    belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
+    for motion, records in world.steps(6):
+        belief = estimator.update(estimator.predict(belief, motion.time, motion), records)
+        assert escapes(belief, world.positions, world.headings) == []
+        assert {region.reason for region in belief.regions} <= {"exact", "performance ratio"}
+
+
+def test_the_members_are_the_nearest_and_no_more_than_there_is_room_for():
+    world = World(np.random.default_rng(3), robots=6)
+    rows = merged(3, robots=6).constraints
+    who = links(rows, 6)
+    for robot in range(6):
+        near = {int(j) if i == robot else int(i) for i, j in zip(rows.i, rows.j, strict=True) if robot in (i, j) and i >= 0}
+        place = np.full(6, -1)
+        members = members_of(robot, 1, 99, who.near, who.near_first, place)
+        assert members[0] == robot
+        assert set(members.tolist()) == {robot, *near}
+        assert (place[members] == np.arange(len(members))).all()
+        assert len(members_of(robot, 1, 2, who.near, who.near_first, np.full(6, -1))) == min(2, 1 + len(near))
+    assert world is not None
+
+
+def test_a_window_that_is_lost_is_searched_and_the_event_says_so(monkeypatch):
+    monkeypatch.setattr(windows, "_projection", lambda *_: None)
+    world = World(np.random.default_rng(1), robots=3)
+    estimator = SetMembershipFilter(world.team, scope=Window(1, 3))
+    belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
+    assert escapes(belief, world.positions, world.headings) == []
+    assert [(event.robot, event.failed, event.used) for event in belief.events] == [(k, ("exact",), "piqp") for k in range(3)]
+
+
+def test_without_anybody_to_search_what_is_known_is_left(monkeypatch):
+    monkeypatch.setattr(windows, "_projection", lambda *_: None)
+    world = World(np.random.default_rng(1), robots=3)
+    estimator = SetMembershipFilter(world.team, scope=Window(1, 3), fallbacks=())
+    belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
+    assert escapes(belief, world.positions, world.headings) == []
+    assert {region.reason for region in belief.regions} == {"solver"}
+
+
+def test_a_contradiction_within_a_window_names_its_measurements():
+    estimator = SetMembershipFilter(Team(1, landmarks=[[0.0, 0.0], [4.0, 0.0]]), scope=Window())
+    belief = estimator.start(0.0, [Polygon.box([-5, -5], [5, 5])], AngularIntervals.circles(1))
+    with pytest.raises(Inconsistent) as caught:
+        estimator.update(belief, [Range(0.0, [0, 0], [1, 2], [1.0, 1.0], 0.1, 0.0)])
+    assert {source.target for source in caught.value.sources} == {1, 2}
+
+
+def test_sets_without_an_interior():
+    polytope = Polytope(
+        merged(0, robots=2).constraints.select(np.zeros(0, dtype=int)), np.zeros((2, 2)), np.array([[0.0, 0.0], [1.0, 0.0]])
+    )
+    point, segment = project_windows(polytope, Window(), [EXACT], Stop()).found
+    assert point.outer.area == 0
+    assert segment.outer.bounds[1] == pytest.approx([1.0, 0.0])
+
+
+def test_anchored_robots_in_windows_are_no_trouble():
+    estimator = SetMembershipFilter(Team(2), scope=Window())
+    belief = estimator.start(0.0, [Polygon.box([0, 0], [0, 0]), Polygon.box([1, 0], [1, 0])])
+    after = estimator.update(belief, [Range(0.0, 0, 1, 1.0, 0.1, 0.0)])
+    assert [region.outer.area for region in after.regions] == pytest.approx([0, 0], abs=1e-12)
+    with pytest.raises(Inconsistent):
+        estimator.update(belief, [Range(0.0, 0, 1, 5.0, 0.1, 0.0)])
+
+
+@pytest.mark.parametrize("values", [{"hops": 0}, {"robots": 1}])
+def test_a_window_too_small_is_refused(values):
+    with pytest.raises(InvalidInput, match="of a window"):
+        Window(**values)
+
+
+def test_a_scope_that_is_none_is_refused():
+    with pytest.raises(InvalidInput, match="a scope"):
+        SetMembershipFilter(Team(1), scope="neighbours")
+
+
+def test_programs_of_other_kinds_are_left_to_the_search():
+    program = random_program(np.random.default_rng(0), 3, 20)
+    assert project_all(program, [position(0, 3)], [NOTHING], [EXACT], Stop()).found[0].reason == "exact"

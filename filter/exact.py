@@ -5,18 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from filter.arrays import Array, Integers
 from filter.lp import LinearProgram
 from filter.plane import EPSILON
-from filter.projection import NOTHING, HalfPlanes, Projection, Reason, Stop, certified_offsets, inner_polygon, outer_polygon
+from filter.projection import (
+    NOTHING,
+    HalfPlanes,
+    Projection,
+    Reason,
+    Stop,
+    Weights,
+    certified_offsets,
+    inner_polygon,
+    outer_polygon,
+)
 from filter.scaling import ScaledProgram
-from filter.shadow import LONGEST, LONGEST_EACH, REASONS, SMALLEST, no_trace, simplified, turn
+from filter.shadow import BEYOND, LONGEST, LONGEST_EACH, REASONS, SMALLEST, Trace, no_trace, simplified, turn
 from filter.simplex import EMPTY, FOUND, OUTWARD, Basis, Rows, become_feasible, corner, spread
 
-# An edge that is certified this much farther out than it was found, relative to the box, shows that the walk went wrong.
-LOOSE = 1e-7
 ROUNDING = 64 * EPSILON  # of a point far from the origin
 
 
@@ -71,30 +78,34 @@ class Walker:
             return None
         plane = D[:, self._scaled.free] * self._scaled.radius
         size = np.abs(plane).max(axis=1, initial=0)
-        plane /= np.where(size > 0, size, 1.0)[:, None]
-        first, second = plane[0].copy(), plane[1].copy()
-        trace = no_trace(LONGEST, len(first))
-        arrived = turn(self._rows, self._basis, self._objective, first, np.pi / 2, no_trace(0, len(first)), self._limit)
-        if arrived != FOUND or turn(self._rows, self._basis, first, second, 2 * np.pi, trace, self._limit) != FOUND:
+        size = np.where(size > 0, size, 1.0)
+        first, second = plane[0] / size[0], plane[1] / size[1]
+        trace = self._walked(self._basis, first, second)
+        if trace is None:
             self._basis = None
             return None
         self._objective = first
-        count = int(trace.filled[0])
-        if count == LONGEST:
-            self._basis = None
+        return self._judged(D, trace, trace.point @ np.stack([first, second], axis=1), size, stop)
+
+    def _walked(self, basis: Basis, first: Array, second: Array) -> Trace | None:
+        """Return what a full turn in the plane of two objectives sees, or None when it is lost."""
+        nothing, trace = no_trace(0, len(first)), no_trace(LONGEST, len(first))
+        if turn(self._rows, basis, self._objective, first, np.pi / 2, nothing, self._limit) != FOUND:
             return None
-        points = self._scaled.points(trace.point[:count])
+        if turn(self._rows, basis, first, second, 2 * np.pi, trace, self._limit) != FOUND or trace.filled[0] == LONGEST:
+            return None
+        count = int(trace.filled[0])
+        return Trace(trace.normal[:count], trace.prices[:count], trace.basic[:count], trace.point[:count], trace.filled)
+
+    def _judged(self, D: Array, trace: Trace, vertices: Array, size: Array, stop: Stop) -> Shadow:
+        """Return the edges that matter, and their proofs, in the program's own units; (2,) is the size of the plane's."""
         goal = (float(stop.performance_ratio), float(stop.area_gap), int(stop.searches))
-        kept, why = simplified(
-            trace.normal[:count], trace.point[:count] @ np.stack([first, second], axis=1), np.prod(size), goal
-        )
-        normals = trace.normal[kept] / np.where(size > 0, size, 1.0)
+        kept, why = simplified(trace.normal, vertices, float(np.prod(size)), goal)
+        normals = trace.normal[kept] / size
         length = np.hypot(normals[:, 0], normals[:, 1])
-        directions = normals / length[:, None]
-        multipliers = self._scaled.multipliers(
-            _dense(trace.basic[kept], trace.prices[kept], len(self._scaled.live)), 1 / length
-        )
-        multipliers = self.program.essential(directions @ D, multipliers)
+        directions, points = normals / length[:, None], self._scaled.points(trace.point)
+        proofs = _dense(trace.basic[kept], trace.prices[kept], len(self._scaled.live))
+        multipliers = self.program.essential(directions @ D, self._scaled.multipliers(proofs, 1 / length))
         return Shadow(directions, multipliers, points, ((points[kept] @ D.T) * directions).sum(axis=1), REASONS[why])
 
     def _begin(self) -> None:
@@ -129,14 +140,14 @@ def project_exactly(
         known: Half-planes that contain the projection anyway; they cut the outer polygon.
     """
     certified = certified_offsets(program, D, shadow.directions, shadow.multipliers)
-    allowed = LOOSE * (np.abs(D) @ program.radius).max() + ROUNDING * (np.abs(D) @ np.abs(program.centre)).max() + SMALLEST
+    allowed = BEYOND * (np.abs(D) @ program.radius).max() + ROUNDING * (np.abs(D) @ np.abs(program.centre)).max() + SMALLEST
     if not (certified - shadow.reached <= allowed).all():
         return None
     extent = np.abs(shadow.directions @ D) @ program.radius
     gap = float(np.max(np.abs(certified - shadow.reached) / np.maximum(extent, SMALLEST), initial=0.0))
     inner = None if interior is None else inner_polygon(program, D, shadow.points, interior)
     nothing, edges = np.zeros(0), (shadow.directions, certified)
-    outer, proofs = outer_polygon(program, D, edges, known), sparse.csr_array(shadow.multipliers)
+    outer, proofs = outer_polygon(program, D, edges, known), Weights.of(shadow.multipliers)
     return Projection(*outer, inner, shadow.directions, proofs, nothing, nothing, shadow.reason, gap)
 
 

@@ -153,17 +153,9 @@ def spans_of(polygons: Sequence[Polygon]) -> AngularIntervals:
 
 
 def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:
-    """Cut a box by half-planes; the result errs outward alone, also where it is thin or a point.
+    """Return what half-planes leave of a box as a polygon, and what is behind each edge, both as in `cut_box`.
 
-    Args:
-        normals: (k, 2), of length 1 to rounding.
-        offsets: (k,) [m].
-        lower: (2,) corner of the box [m].
-        upper: (2,) corner of the box [m].
-
-    Returns:
-        The polygon and the (e,) index of the half-plane behind each edge, with -4 to -1 for the box's right, top, left
-        and bottom side; None when nothing is left, which proves that the set is empty.
+    It errs outward alone, also where it is thin or a point. None proves that nothing is left.
     """
     vertices, edges, margin = cut_box(normals, offsets, lower, upper)
     if not len(vertices):

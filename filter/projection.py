@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy import sparse
 
 from filter.arrays import Array, Integers, number, read_only, whole
 from filter.errors import InvalidInput
@@ -76,6 +75,26 @@ class Stop:
         return "time" if self.seconds is not None and self.now() - began >= self.seconds else None
 
 
+class Weights(NamedTuple):
+    """Which rows of a program prove which directions: triples, all weights above 0.
+
+    Attributes:
+        direction: (m,) which of the directions.
+        row: (m,) which row of the program.
+        weight: (m,) the row's multiplier in the direction's proof.
+    """
+
+    direction: Integers
+    row: Integers
+    weight: Array
+
+    @classmethod
+    def of(cls, multipliers: Array) -> Weights:
+        """Return what is not zero of (s, r) multipliers."""
+        direction, row = np.nonzero(multipliers)
+        return cls(direction, row, multipliers[direction, row])
+
+
 @dataclass(frozen=True, eq=False)
 class Projection:
     """What is known of a projection after some searches.
@@ -86,7 +105,7 @@ class Projection:
             edge of the program's box.
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
         directions: (s, 2) searched directions, or normals of the exact edges that were kept, of length 1.
-        multipliers: (s, r) the proof of each outer edge, weights of the program's rows.
+        weights: The proof of each direction's edge.
         inner_areas: (s,) area inside after each search, as the solver has it [m2]; (0,) where nothing was searched.
         outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2]; or (0,).
         reason: Why the search ended, by the areas as the solver has them; or what decided how many edges of an exact
@@ -99,7 +118,7 @@ class Projection:
     edges: Integers
     inner: Polygon | None
     directions: Array
-    multipliers: sparse.csr_array
+    weights: Weights
     inner_areas: Array
     outer_areas: Array
     reason: Reason

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import sparse
 
 from filter.arrays import Array, Integers
 from filter.belief import Event, Fallback, Proof, Region, Sources
@@ -118,20 +117,28 @@ def _region(
     """Return a projection as a region with its causes, its edges as rows, and its edges' proofs."""
     rows = polytope.constraints.rows_of(WORLD, robot)
     known = polytope.constraints.source[rows]
-    count, fixed = len(found.edges), np.flatnonzero(found.edges >= 0)
-    by_search = found.edges[fixed]
-    itself = sparse.csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), shape=(len(rows), len(polytope.constraints)))
-    every = sparse.csr_array(sparse.vstack([found.multipliers, itself]))
-    weights = every[by_search]
-    claim, row = np.repeat(fixed, np.diff(weights.indptr)), weights.indices
-    cuts = np.searchsorted(claim, np.arange(1, count))
+    claim, row, weight = _claims(found, rows)
+    cuts = np.searchsorted(claim, np.arange(1, len(found.edges)))
     box = polytope.source_of_box(robot)
     causes = tuple(np.unique(part) if len(part) else box for part in np.split(polytope.constraints.source[row], cuts))
-    outer, whose = found.outer, np.full(count, robot)
-    proof = Proof(polytope, sources, whose, outer.normals, outer.offsets, claim, row, weights.data)
-    source = np.append(np.full(found.searches, number), known)[by_search]
+    outer, whose, fixed = found.outer, np.full(len(found.edges), robot), np.flatnonzero(found.edges >= 0)
+    proof = Proof(polytope, sources, whose, outer.normals, outer.offsets, claim, row, weight)
+    source = np.append(np.full(found.searches, number), known)[found.edges[fixed]]
     edges = Constraints.on_robot(robot, outer.normals[fixed], outer.offsets[fixed], source)
     return Region(outer, found.inner, found.searches, found.reason, causes), edges, proof
+
+
+def _claims(found: Projection, own: Integers) -> tuple[Integers, Integers, Array]:
+    """Return which edge (m,) is proved by which row (m,) with which weight (m,); what was known proves itself."""
+    edge_of = np.full(found.searches + len(own), -1)
+    fixed = np.flatnonzero(found.edges >= 0)
+    edge_of[found.edges[fixed]] = fixed
+    weights, itself = found.weights, edge_of[found.searches :]
+    claim = np.concatenate([edge_of[weights.direction], itself])
+    row, weight = np.concatenate([weights.row, own]), np.concatenate([weights.weight, np.ones(len(own))])
+    order = np.argsort(claim, kind="stable")
+    order = order[np.searchsorted(claim[order], 0) :]  # without the directions and rows that are no edge
+    return claim[order], row[order], weight[order]
 
 
 def _boxes(

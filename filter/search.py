@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from scipy import sparse
 
 from filter.arrays import Array
 from filter.lp import LinearProgram
@@ -19,6 +18,7 @@ from filter.projection import (
     Projection,
     Reason,
     Stop,
+    Weights,
     certified_offsets,
     inner_polygon,
     looseness,
@@ -61,7 +61,7 @@ def project(
         *outer_polygon(program, D, (directions, certified), known),
         inner_polygon(program, D, points, interior),
         directions,
-        sparse.csr_array(multipliers),
+        Weights.of(multipliers),
         np.array(search.inner_areas),
         np.array(search.outer_areas),
         search.reason,

@@ -35,6 +35,8 @@ from filter.simplex import (
 LONGEST, LONGEST_EACH = 400, 50
 # A vertex that violates a row by more than this share of the box shows that the walk has strayed.
 STRAYED = 1e-8
+# An edge that is certified this much beyond where it was found, relative to the box, shows that the walk went wrong.
+BEYOND = 1e-7
 # Edges whose normals turn by less are one.
 SAME = 1e-13
 # What decides how many edges are kept, as in `Projection`.

@@ -8,22 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy import sparse
 
 from filter.arrays import Array, Integers
 from filter.constraints import WORLD, Constraints
 from filter.plane import EPSILON, cut_box
 from filter.polygon import SIDES, Polygon
 from filter.polytope import Polytope
-from filter.projection import Projection, Stop, position
+from filter.projection import Projection, Stop, Weights, position
 from filter.projector import EXACT, Failure, Projections, broken_row, project_all
-from filter.shadow import LONGEST, LONGEST_EACH, REASONS, SMALLEST, WORTHLESS, no_trace, simplified, turn
+from filter.shadow import BEYOND, LONGEST, LONGEST_EACH, REASONS, SMALLEST, WORTHLESS, Trace, no_trace, simplified, turn
 from filter.simplex import FOUND, become_feasible, corner, spread
 from filter.solvers import Solver, name_of
-from filter.window import Boxes, Links, TeamRows, Window, links, members_of, program_of, rows_in
+from filter.window import Boxes, Links, Program, TeamRows, Window, links, members_of, program_of, rows_in
 
-# An edge that is certified this much farther out than it was found, relative to the box, shows that the walk went wrong.
-LOOSE = 1e-7
 # What underflow can take from some hundred products.
 TINY = 1e-300
 
@@ -95,94 +92,108 @@ def certified(normal: Array, prices: Array, number: Integers, members: tuple[Int
     return (along + total) + doubt * (1 + 1e-9) + TINY * (1 + radius.sum())
 
 
-@njit(cache=True, nogil=True)
-def project_window(
-    robot: int,
-    hops: int,
-    most: int,
-    who: Links,
-    team: TeamRows,
-    box: Boxes,
-    goal: tuple[float, float, int],
-    place: Integers,
-) -> Windowed:
-    """Project a robot's window onto the robot's position.
+class Task(NamedTuple):
+    """What all windows of a team have in common.
 
-    Args:
-        robot: Which.
-        hops: How far the window reaches.
+    Attributes:
+        hops: How far a window reaches.
         most: How many robots it may have.
         who: Who has rows with whom.
         team: i, j, normal and offset of all constraints.
         box: Lower and upper corners (n, 2) of all robots.
         goal: As in `Stop`: performance ratio, area gap and greatest number of edges.
-        place: (n,) scratch, all -1, and so again afterwards.
     """
-    members = members_of(robot, hops, most, who.near, who.near_first, place)
-    number = rows_in(members, place, who)
-    program = program_of(members, place, number, team, box)
+
+    hops: int
+    most: int
+    who: Links
+    team: TeamRows
+    box: Boxes
+    goal: tuple[float, float, int]
+
+
+@njit(cache=True, nogil=True)
+def walked(program: Program) -> tuple[bool, Trace]:
+    """Return whether a walk around the first robot's shadow came through, and what it saw; in units of the robot's box."""
     variables = len(program.centre)
     first, second, start, prices = np.zeros(variables), np.zeros(variables), np.empty(variables), np.empty(variables)
     first[0], second[1] = min(1.0, program.radius[0] * 1e300), min(1.0, program.radius[1] * 1e300)
     for k in range(variables):
         prices[k] = 0.5 + 0.5 * spread(k + 1)
         start[k] = prices[k] if k % 2 else -prices[k]
-    basis = corner(program.rows, start)
+    basis, nothing, trace = corner(program.rows, start), no_trace(0, variables), no_trace(LONGEST, variables)
     limit = LONGEST + LONGEST_EACH * variables
-    trace = no_trace(LONGEST, variables)
     how, _ = become_feasible(program.rows, basis, prices, limit)
-    lost = (
-        how != FOUND
-        or turn(program.rows, basis, start, first, np.pi / 2, no_trace(0, variables), limit) != FOUND
-        or turn(program.rows, basis, first, second, 2 * np.pi, trace, limit) != FOUND
-        or trace.filled[0] == LONGEST
+    found = (
+        how == FOUND
+        and turn(program.rows, basis, start, first, np.pi / 2, nothing, limit) == FOUND
+        and turn(program.rows, basis, first, second, 2 * np.pi, trace, limit) == FOUND
+        and trace.filled[0] < LONGEST
     )
-    count, kept, why = trace.filled[0], np.empty(0, dtype=np.int64), 0
-    if not lost:
-        unit = program.radius[0] * program.radius[1]
-        kept, why = simplified(trace.normal[:count], trace.point[:count, :2], unit, goal)
-    normals, offsets = np.empty((len(kept), 2)), np.empty(len(kept))
-    rows, weights = np.full((len(kept), variables), -1), np.zeros((len(kept), variables))
-    for at in range(len(kept)):
-        k = kept[at]
-        x = trace.normal[k, 0] / (program.radius[0] if program.radius[0] > 0 else 1.0)
-        y = trace.normal[k, 1] / (program.radius[1] if program.radius[1] > 0 else 1.0)
-        length = np.hypot(x, y)
-        normals[at, 0], normals[at, 1] = x / length, y / length
-        for m in range(variables):
-            basic = trace.basic[k, m]
-            if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
-                rows[at, m] = program.number[basic]
-                weights[at, m] = trace.prices[k, m] / (length * program.size[basic])
-        offsets[at] = certified(normals[at], weights[at], rows[at], (place, program.centre, program.radius), team)
-        found = normals[at, 0] * (program.centre[0] + program.radius[0] * trace.point[k, 0]) + normals[at, 1] * (
-            program.centre[1] + program.radius[1] * trace.point[k, 1]
-        )
-        rounding = 64 * EPSILON * (abs(program.centre[0]) + abs(program.centre[1])) + SMALLEST
-        lost = lost or not offsets[at] - found <= LOOSE * max(program.radius[0], program.radius[1]) + rounding
-    for member in members:
-        place[member] = -1
-    if lost:
-        return Windowed(np.empty((0, 2)), np.empty(0, dtype=np.int64), 0.0, normals, offsets, rows, weights, why)
-    own = who.own[who.own_first[robot] : who.own_first[robot + 1]]
-    everything = np.concatenate((normals, team[2][own])), np.concatenate((offsets, team[3][own]))
-    vertices, edges, margin = cut_box(everything[0], everything[1], box[0][robot], box[1][robot])
-    return Windowed(vertices, edges, margin, normals, offsets, rows, weights, why)
+    return found, trace
 
 
 @njit(cache=True, nogil=True)
-def project_some(
-    robots: Integers,
-    hops: int,
-    most: int,
-    who: Links,
-    team: TeamRows,
-    box: Boxes,
-    goal: tuple[float, float, int],
-) -> list[Windowed]:
+def edge_of(program: Program, trace: Trace, k: int, rows: Integers, prices: Array) -> tuple[float, float]:
+    """Return the normal of one of a walk's edges, and write which constraints prove it, with which multipliers."""
+    x = trace.normal[k, 0] / (program.radius[0] if program.radius[0] > 0 else 1.0)
+    y = trace.normal[k, 1] / (program.radius[1] if program.radius[1] > 0 else 1.0)
+    length = np.hypot(x, y)
+    for m in range(len(rows)):
+        basic = trace.basic[k, m]
+        if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
+            rows[m] = program.number[basic]
+            prices[m] = trace.prices[k, m] / (length * program.size[basic])
+    return x / length, y / length
+
+
+@njit(cache=True, nogil=True)
+def is_tight(program: Program, trace: Trace, k: int, normal: Array, offset: float) -> bool:
+    """Return whether a proved edge is no farther out than its vertex, but for rounding."""
+    reached = 0.0
+    for m in range(2):
+        reached += normal[m] * (program.centre[m] + program.radius[m] * trace.point[k, m])
+    rounding = 64 * EPSILON * (abs(program.centre[0]) + abs(program.centre[1])) + SMALLEST
+    return offset - reached <= BEYOND * max(program.radius[0], program.radius[1]) + rounding
+
+
+@njit(cache=True, nogil=True)
+def project_window(robot: int, task: Task, place: Integers) -> Windowed:
+    """Project a robot's window onto the robot's position.
+
+    Args:
+        robot: Which.
+        task: The team.
+        place: (n,) scratch, all -1, and so again afterwards.
+    """
+    members = members_of(robot, task.hops, task.most, task.who.near, task.who.near_first, place)
+    program = program_of(members, place, rows_in(members, place, task.who), task.team, task.box)
+    found, trace = walked(program)
+    kept, why = np.empty(0, dtype=np.int64), 0
+    if found:
+        count, unit = trace.filled[0], program.radius[0] * program.radius[1]
+        kept, why = simplified(trace.normal[:count], trace.point[:count, :2], unit, task.goal)
+    normals, offsets = np.empty((len(kept), 2)), np.empty(len(kept))
+    rows, prices = np.full((len(kept), len(program.centre)), -1), np.zeros((len(kept), len(program.centre)))
+    for at in range(len(kept)):
+        normals[at] = edge_of(program, trace, kept[at], rows[at], prices[at])
+        offsets[at] = certified(normals[at], prices[at], rows[at], (place, program.centre, program.radius), task.team)
+        found = found and is_tight(program, trace, kept[at], normals[at], offsets[at])
+    for member in members:
+        place[member] = -1
+    vertices, edges, margin = np.empty((0, 2)), np.empty(0, dtype=np.int64), 0.0
+    if found:
+        own = task.who.own[task.who.own_first[robot] : task.who.own_first[robot + 1]]
+        lines = np.concatenate((normals, task.team[2][own])), np.concatenate((offsets, task.team[3][own]))
+        vertices, edges, margin = cut_box(lines[0], lines[1], task.box[0][robot], task.box[1][robot])
+    return Windowed(vertices, edges, margin, normals, offsets, rows, prices, why)
+
+
+@njit(cache=True, nogil=True)
+def project_some(robots: Integers, task: Task) -> list[Windowed]:
     """Project the windows of some robots."""
-    place = np.full(len(box[0]), -1)
-    return [project_window(robot, hops, most, who, team, box, goal, place) for robot in robots]
+    place = np.full(len(task.box[0]), -1)
+    return [project_window(robot, task, place) for robot in robots]
 
 
 def project_windows(polytope: Polytope, window: Window, solvers: Sequence[Solver], stop: Stop) -> Projections:
@@ -205,11 +216,11 @@ def project_windows(polytope: Polytope, window: Window, solvers: Sequence[Solver
     if solvers[0] == EXACT:
         team, box = (rows.i, rows.j, rows.normal, rows.offset), (polytope.lower, polytope.upper)
         goal = (float(stop.performance_ratio), float(stop.area_gap), int(stop.searches))
-        walked = project_some(np.arange(robots), window.hops, window.robots, who, team, box, goal)
-        found = [_projection(polytope, who, robot, each) for robot, each in enumerate(walked)]
+        windows = project_some(np.arange(robots), Task(window.hops, window.robots, who, team, box, goal))
+        found = [_projection(polytope, who, robot, each) for robot, each in enumerate(windows)]
     failures: list[Failure] = []
     for robot in (robot for robot, each in enumerate(found) if each is None):
-        alone = _searched(polytope, who, robot, window, solvers, stop)
+        alone = _searched(polytope, who, robot, window, solvers, stop=stop)
         if alone.contradiction is not None:
             return alone
         found[robot] = alone.found[0]
@@ -227,14 +238,14 @@ def _projection(polytope: Polytope, who: Links, robot: int, found: Windowed) -> 
     offsets = np.concatenate([found.offsets, polytope.constraints.offset[own], box])
     behind = np.where(found.edges < 0, found.edges + len(offsets), found.edges)
     outer = Polygon(normals[behind], offsets[behind], found.vertices, found.margin)
-    edge, at = np.nonzero(found.rows >= 0)
-    entries = found.prices[edge, at], (edge, found.rows[edge, at])
-    multipliers = sparse.csr_array(entries, shape=(len(found.offsets), len(polytope.constraints)))
-    nothing = np.zeros(0)
-    return Projection(outer, found.edges, None, found.normals, multipliers, nothing, nothing, REASONS[found.why])
+    direction, at = np.nonzero(found.rows >= 0)
+    weights, nothing = Weights(direction, found.rows[direction, at], found.prices[direction, at]), np.zeros(0)
+    return Projection(outer, found.edges, None, found.normals, weights, nothing, nothing, REASONS[found.why])
 
 
-def _searched(polytope: Polytope, who: Links, robot: int, window: Window, solvers: Sequence[Solver], stop: Stop) -> Projections:
+def _searched(
+    polytope: Polytope, who: Links, robot: int, window: Window, solvers: Sequence[Solver], *, stop: Stop
+) -> Projections:
     """Project one robot's window by the solvers that are left when a walk is lost."""
     rows, place = polytope.constraints, np.full(len(polytope.lower), -1)
     members = np.sort(members_of(robot, window.hops, window.robots, who.near, who.near_first, place))
@@ -250,10 +261,12 @@ def _searched(polytope: Polytope, who: Links, robot: int, window: Window, solver
     lost = (EXACT,) if solvers[0] == EXACT else ()
     failed = next((each for each in alone.failures if each.plane == 0), None)
     failure = Failure(robot, (*lost, *(failed.failed if failed else ())), failed.used if failed else _first(left))
-    spread_out = sparse.csr_array((np.ones(len(number)), (np.arange(len(number)), number)), shape=(len(number), len(rows)))
     if alone.contradiction is not None:
-        return Projections(contradiction=alone.contradiction @ spread_out)
-    one = replace(alone.found[0], inner=None, multipliers=alone.found[0].multipliers @ spread_out)
+        contradiction = np.zeros(len(rows))
+        contradiction[number] = alone.contradiction
+        return Projections(contradiction=contradiction)
+    one = alone.found[0]
+    one = replace(one, inner=None, weights=one.weights._replace(row=number[one.weights.row]))
     deepest = tuple(replace(each, plane=robot) for each in alone.failures if each.plane is None)
     return Projections((one,), (*deepest, failure) if failure.failed else deepest)
 

@@ -64,7 +64,9 @@ def test_inner_vertices_are_possible_and_outer_edges_are_proved_in_exact_arithme
     program = random_program(rng, robots=2, rows=10)
     found = projected(program, position(0, 2), stop=Stop(searches=8))
     directions = found.directions
-    bounds = program.certified_bounds(directions @ position(0, 2), found.multipliers.toarray())
+    multipliers = np.zeros((found.searches, len(program.b)))
+    multipliers[found.weights.direction, found.weights.row] = found.weights.weight
+    bounds = program.certified_bounds(directions @ position(0, 2), multipliers)
     for k, edge in enumerate(found.edges):
         if edge >= 0:
             assert found.outer.offsets[k] == bounds[edge]

@@ -79,10 +79,12 @@ def test_every_offset_is_proved_by_its_rows_in_exact_arithmetic(seed):
     rows = polytope.constraints
     for robot, found in enumerate(project_windows(polytope, Window(1, 4), [EXACT], Stop()).found):
         for k in range(found.searches):
-            proof = found.multipliers[[k]].tocoo()
+            mine = found.weights.direction == k
             direction = {(robot, m): Fraction(found.directions[k, m]) for m in range(2)}
             bound = Fraction(0)
-            for row, price in zip(proof.coords[1].tolist(), map(Fraction, proof.data.tolist()), strict=True):
+            for row, price in zip(
+                found.weights.row[mine].tolist(), map(Fraction, found.weights.weight[mine].tolist()), strict=True
+            ):
                 bound += price * Fraction(rows.offset[row])
                 for body, sign in ((int(rows.j[row]), 1), (int(rows.i[row]), -1)):
                     for m in range(2) if body >= 0 else ():

@@ -228,7 +228,10 @@ def blueprint(team: Team, camera: bool) -> rrb.Blueprint:
     legend = rrb.PlotLegend(corner="RightTop")
     area = rrb.TimeSeriesView(origin="/area", name="Area of the outer polygons [m²]", plot_legend=legend)
     ratio = rrb.TimeSeriesView(
-        origin="/performance_ratio", name="Performance ratio: inner over outer area", plot_legend=rrb.PlotLegend(visible=False)
+        origin="/performance_ratio",
+        name="Performance ratio: inner over outer area",
+        axis_y=rrb.ScalarAxis(range=(0.0, 1.05)),
+        plot_legend=rrb.PlotLegend(visible=False),
     )
     hidden = rrb.encodings.TimelineColumn("t", visible=False)  # too narrow to be read; the text begins with the time
     columns = rrb.TextLogColumns(timeline_columns=[hidden], text_log_columns=["LogLevel", "Body"])

@@ -110,8 +110,7 @@ class Fallback:
 
     def __str__(self) -> str:
         what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
-        failed = ", ".join(self.failed) or "anybody"
-        return f"{what}: no good answer of {failed}, {self.used or 'nobody'} took over"
+        return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
 
 
 Event = Rejected | Fallback

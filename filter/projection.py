@@ -23,6 +23,8 @@ NOTHING: HalfPlanes = (np.zeros((0, 2)), np.zeros(0))
 
 Reason = Literal["performance ratio", "area gap", "searches", "time", "exact", "solver"]
 
+# A polygon of less area than this share of its squared size is a segment, to rounding.
+NO_AREA = 1e-12
 # What is divided by is never smaller [m].
 SMALLEST = 1e-100
 
@@ -143,7 +145,9 @@ def performance_ratio(inner: Polygon | None, outer: Polygon) -> float:
     """Return area inside over area outside (eq. 7), in [0, 1]; 1 for two polygons without area, 0 without an inner one."""
     if inner is None:
         return 0.0
-    return min(1.0, inner.area / outer.area) if outer.area > 0 else 1.0
+    lower, upper = outer.bounds
+    without = outer.area <= NO_AREA * float(((upper - lower) ** 2).sum())
+    return 1.0 if without else min(1.0, inner.area / outer.area)
 
 
 def position(robot: int, robots: int) -> Array:

@@ -144,7 +144,7 @@ def _interior(program: LinearProgram, solvers: Sequence[Solver]) -> _Interior:
             return _Interior(found.point, None, (Failure(None, tuple(failed), name_of(solver)),) if failed else ())
         points += [found.point] if found is not None else []
         failed.append(name_of(solver))
-    return _Interior(points[-1], None, (Failure(None, tuple(failed), None),))
+    return _Interior(points[-1], None, (Failure(None, tuple(failed), None),) if failed else ())
 
 
 def _searched(

@@ -1,6 +1,8 @@
-"""Tests are not timed: what is compiled takes seconds when it is called for the first time."""
+"""What holds for all tests."""
 
 from hypothesis import settings
 
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
+# The same examples in every run, whatever the machine's speed (what is compiled takes seconds at its first call): a failure
+# can be repeated.
+settings.register_profile("corral", derandomize=True, deadline=None, database=None)
+settings.load_profile("corral")

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
-from hypothesis import settings
 from scipy import sparse
 
 from filter.angles import AngularIntervals, wrap
@@ -18,10 +17,6 @@ from filter.lp import LinearProgram
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.team import Team
-
-# The same examples in every run, whatever the machine's speed: a failure can be repeated.
-settings.register_profile("corral", derandomize=True, deadline=None, database=None)
-settings.load_profile("corral")
 
 NO_INDEX = np.zeros(0, dtype=np.int64)
 NO_ROWS = Constraints(NO_INDEX, NO_INDEX, np.zeros((0, 2)), np.zeros(0), NO_INDEX)

@@ -21,11 +21,13 @@ class Step:
 
     Attributes:
         frame: What it was given.
+        predicted: What it knew before it saw the frame's measurements.
         belief: What it knows now.
         seconds: How long predict and update took together.
     """
 
     frame: Frame
+    predicted: Belief
     belief: Belief
     seconds: float
 
@@ -44,10 +46,9 @@ def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter |
         if log is not None:
             log.write(frame)
         begin = perf_counter()
-        if frame.time > belief.time:
-            belief = team_filter.predict(belief, frame.time, frame.odometry)
-        belief = team_filter.update(belief, frame.measurements)
-        yield Step(frame, belief, perf_counter() - begin)
+        predicted = team_filter.predict(belief, frame.time, frame.odometry) if frame.time > belief.time else belief
+        belief = team_filter.update(predicted, frame.measurements)
+        yield Step(frame, predicted, belief, perf_counter() - begin)
 
 
 @dataclass

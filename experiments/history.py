@@ -57,7 +57,8 @@ class History:
         box = wider(step.belief.polytope, self.team.arena)
         now = len(self) * self.team.robots
         measured = self._measured(step)
-        if self._last is None:
+        if self._last is None:  # what is known before: rows, and a box whose sides need not be rows
+            box = step.predicted.polytope.lower, step.predicted.polytope.upper
             rows = [at_step(Constraints.concatenate([step.predicted.constraints, measured]), now)]
         else:
             moves = displacements(step.frame.odometry, self._last.headings, self.team, step.belief.time - self._last.time)

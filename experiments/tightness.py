@@ -25,7 +25,7 @@ from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.terminal import Counting, print_table, tell
 from experiments.tightness_figures import draw_budgets, draw_over_time
-from experiments.tightness_runs import BUDGETS, DEFAULT, Followed, Optimum, Variant, follow, optimum_at
+from experiments.tightness_runs import BUDGETS, DEFAULT, REMEMBERED, ROOM, Followed, Optimum, Variant, follow, optimum_at
 from filter.arrays import Array, number, whole
 from filter.errors import InvalidInput
 from filter.projection import Stop
@@ -51,7 +51,7 @@ class Options:
     """Where all randomness comes from."""
     errors: ErrorKind = "uniform"
     """Kind of the sensors' errors, always within their bounds."""
-    every: int = 10
+    every: int = 20
     """The optimum is found at every so many steps."""
     tangents: int = TANGENTS
     """Half-planes evenly around each displacement set in the optimum."""
@@ -61,6 +61,8 @@ class Options:
     """Greatest angle between the tangents of a range, in the filter and in the optimum [degrees]."""
     alone: bool = False
     """Leave out the other budgets of rows and the windows."""
+    remember: bool = False
+    """Follow the run with slower filters, too, that take more along: this tells where the default one loses."""
     workers: int | None = None
     """Processes; as many as there are cores if not given."""
     out: Path = Path("runs/tightness")
@@ -88,7 +90,7 @@ def run(options: Options) -> int:
     summary = summary_of(options, runs, optima)
     write_summary(folder, summary)
     draw_over_time(folder, runs, optima, options.rate)
-    if len(runs) > 1:
+    if not options.alone:
         draw_budgets(folder, {name: runs[name] for name in BUDGETS}, optima)
     print_runs(runs, optima)
     print_table(f"tightness, in {folder}", {key: value for key, value in summary.items() if not isinstance(value, list)})
@@ -118,6 +120,8 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
     variants = {name: Variant(*BUDGETS[name], spacing) for name in budgets}
     if not options.alone:
         variants["window"] = Variant(*BUDGETS[DEFAULT], spacing, window=True)
+    for name, kinds in REMEMBERED.items() if options.remember else ():
+        variants[name] = Variant(*ROOM, spacing, remembered=kinds)
     stop = Stop(options.performance_ratio, 0.0, SEARCHES)
     with executor(options.workers) as pool, Counting(len(variants) + len(steps), "runs and optima") as progress:
         first = pool.submit(follow, case, variants.pop(DEFAULT), options.tangents)
@@ -129,7 +133,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
             future.result()  # raises what it raised
             progress.advance()
     runs = {name: future.result() for name, future in {**others, DEFAULT: first}.items()}
-    order = [name for name in (*BUDGETS, "window") if name in runs]
+    order = [name for name in (*BUDGETS, "window", *REMEMBERED) if name in runs]
     return {name: runs[name] for name in order}, [optima[step].result() for step in sorted(optima)]
 
 
@@ -169,6 +173,11 @@ def summary_of(options: Options, runs: dict[str, Followed], optima: Sequence[Opt
         "optimum_beyond_filter_max_m": rounded(max(each.beyond(default.outers[each.step]) for each in optima)),
         "window_area_ratio_mean": None if windows is None else rounded(float(windows.mean())),
         "window_area_ratio_p95": None if windows is None else rounded(float(np.quantile(windows, 0.95))),
+        **{
+            f"{name.replace(' ', '_')}_area_ratio_mean": rounded(float(ratios(runs[name], optima).mean()))
+            for name in REMEMBERED
+            if name in runs
+        },
         "optimum_variables_max": max(each.variables for each in optima),
         "optimum_rows_max": max(each.rows for each in optima),
         "optimum_searches_mean": rounded(float(np.mean([each.searches for each in optima]))),

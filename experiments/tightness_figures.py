@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.figures import BARE, FAINT, INK, LOOK, PALE, SETS, TUNED
+from experiments.figures import BARE, FAINT, INK, LOOK, SETS, TUNED
 from experiments.tightness_runs import DEFAULT, Followed, Optimum
 
 GOAL = 1.05  # of the mean ratio
@@ -33,13 +33,12 @@ def draw_over_time(folder: Path, runs: Mapping[str, Followed], optima: Sequence[
         left.set(title="Area over that of the whole history's optimum", xlabel="time [s]", ylim=(0.98, None))
         left.legend(loc="upper left")
         for robot in range(best.shape[1]):
-            right.plot(times, best[:, robot], color=PALE, linewidth=1.2, label="optimum" if robot == 0 else None)
+            right.plot(times, best[:, robot], "o", color=TUNED, markersize=4, label="optimum" if robot == 0 else None)
             right.plot(
                 np.arange(len(default.areas)) / rate,
                 default.areas[:, robot],
                 color=SETS,
                 linewidth=0.9,
-                linestyle=(0, (3, 1.5)),
                 label="filter" if robot == 0 else None,
             )
         right.set(title="Area of each robot's region [m²]", xlabel="time [s]", yscale="log")

@@ -11,6 +11,7 @@ import numpy as np
 from experiments.comparison import Case
 from experiments.history import History, optimum
 from experiments.metrics import Metrics
+from experiments.remembering import RememberingFilter
 from experiments.run import steps
 from filter.arrays import Array
 from filter.errors import Inconsistent
@@ -31,6 +32,9 @@ BUDGETS = {
     "all": (10_000, 10_000),
 }
 DEFAULT = "12/8"  # the filter's own
+# What else a filter can take along, with room for it.
+REMEMBERED = {"pairs": (True, False), "corners": (False, True), "pairs and corners": (True, True)}
+ROOM = BUDGETS["24/16"]
 
 
 @dataclass(frozen=True)
@@ -42,12 +46,14 @@ class Variant:
         rows_per_pair: Its budget.
         tangent_spacing: Of ranges [rad].
         window: Whether regions are found in windows instead of in the whole team.
+        remembered: Whether it takes projections of pairs along, and corners, as in `RememberingFilter`.
     """
 
     rows_per_robot: int
     rows_per_pair: int
     tangent_spacing: float
     window: bool = False
+    remembered: tuple[bool, bool] = (False, False)
 
     def filter(self, team: Team) -> SetMembershipFilter:
         """Return the filter.
@@ -55,8 +61,11 @@ class Variant:
         Raises:
             InvalidInput: The tangents' spacing is out of its range.
         """
-        return SetMembershipFilter(
+        pairs, corners = self.remembered
+        return RememberingFilter(
             team,
+            pairs=pairs,
+            corners=corners,
             rows_per_robot=self.rows_per_robot,
             rows_per_pair=self.rows_per_pair,
             tangent_spacing=self.tangent_spacing,

@@ -23,22 +23,24 @@ WARM = 5  # steps that find caches cold
 
 @dataclass(frozen=True)
 class Agreement:
-    """How the walk's proved edges and PIQP's proved bounds in the same directions agree.
+    """How the walk's proved edges agree with PIQP's supports in the same directions.
 
     Attributes:
         windows: How many windows.
         fallbacks: In how many the walk was lost.
         edges: How many edges were compared.
         vertices: How many edges all the exact polygons have.
-        above: How far the walk's are above PIQP's at most [m].
-        below: How far they are below PIQP's at most [m].
-        total: The sum of the differences [m].
+        apart: The greatest difference of an edge and what PIQP's point reaches [m].
+        above: How far an edge is above the bound that PIQP's multipliers prove, at most [m].
+        below: How far one is below that bound at most: so loose are PIQP's proofs [m].
+        total: The sum of the differences from what PIQP's points reach [m].
     """
 
     windows: int = 0
     fallbacks: int = 0
     edges: int = 0
     vertices: int = 0
+    apart: float = 0.0
     above: float = 0.0
     below: float = 0.0
     total: float = 0.0
@@ -50,6 +52,7 @@ class Agreement:
             self.fallbacks + other.fallbacks,
             self.edges + other.edges,
             self.vertices + other.vertices,
+            max(self.apart, other.apart),
             max(self.above, other.above),
             max(self.below, other.below),
             self.total + other.total,
@@ -57,20 +60,23 @@ class Agreement:
 
 
 def agreement_of(problem: Problem, directions: int) -> Agreement:
-    """Hold so many edges of the exact projection, evenly chosen, against PIQP's bounds in the same directions.
+    """Hold so many edges of the exact projection, evenly chosen, against PIQP's supports in the same directions.
 
-    Both are proved bounds, above the exact support by 1e-10 m or so; PIQP's points, which are below it, play no part.
+    An edge is proved, so it is above the exact support, by 1e-10 m or so. A point of PIQP's is below it, by its tolerance, and
+    what its multipliers prove is above. A direction that PIQP gives up counts as a difference without end.
     """
     found = by_kernel(problem, problem.task(EXACT))
     if not len(found.vertices):
         return Agreement(windows=1, fallbacks=1)
     chosen = np.unique(np.linspace(0, len(found.normals), directions, endpoint=False).astype(int))
-    normals, solver = found.normals[chosen], problem.solver("piqp")
+    normals, offsets, solver = found.normals[chosen], found.offsets[chosen], problem.solver("piqp")
     solved = [solver.maximize(normal @ problem.plane) for normal in normals]
     nothing = np.zeros(len(problem.program.b))
     multipliers = np.array([nothing if each is None else each.multipliers for each in solved])
-    above = found.offsets[chosen] - certified_offsets(problem.program, problem.plane, normals, multipliers)
-    sizes = float(above.max()), float(-above.min()), float(np.abs(above).sum())
+    above = offsets - certified_offsets(problem.program, problem.plane, normals, multipliers)
+    points = np.array([np.full(2, np.inf) if each is None else problem.plane @ each.point for each in solved])
+    apart = np.abs(offsets - (points * normals).sum(axis=1))
+    sizes = float(apart.max()), float(above.max()), float(-above.min()), float(apart.sum())
     return Agreement(1, 0, len(chosen), len(found.normals), *sizes)
 
 

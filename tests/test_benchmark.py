@@ -52,7 +52,8 @@ def test_the_walk_agrees_with_piqp_and_with_a_search(seed):
     found = agreement_of(problem, 5)
     assert (found.windows, found.fallbacks) == (1, 0)
     assert found.edges <= 5 <= found.vertices
-    assert max(found.above, found.below) <= 2e-8
+    assert max(found.apart, found.above) <= 1e-8
+    assert found.below <= 1e-7
     searched = project(problem.program, problem.solver("piqp"), problem.plane, problem.program.centre, stop=EXACT)
     walked = by_kernel(problem, problem.task(EXACT))
     assert (walked.vertices @ searched.outer.normals.T <= searched.outer.offsets + 1e-6).all()
@@ -62,16 +63,18 @@ def test_a_walk_that_is_wrong_or_lost_is_noticed(monkeypatch):
     problem = Problem(draw_grid(np.random.default_rng(0), 4), 1)
     right = by_kernel(problem, problem.task(EXACT))
     monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(offsets=right.offsets + 1e-6))
+    assert agreement_of(problem, 4).apart == pytest.approx(1e-6, rel=0.05)
     assert agreement_of(problem, 4).above == pytest.approx(1e-6, rel=0.05)
     monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(offsets=right.offsets - 1e-6))
+    assert agreement_of(problem, 4).apart == pytest.approx(1e-6, rel=0.05)
     assert agreement_of(problem, 4).below == pytest.approx(1e-6, rel=0.05)
     monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(vertices=np.zeros((0, 2))))
     assert agreement_of(problem, 4) == Agreement(windows=1, fallbacks=1)
 
 
 def test_agreements_add_up():
-    one, other = Agreement(1, 0, 4, 9, 3e-9, 1e-9, 4e-9), Agreement(1, 1, 0, 0, 1e-9, 2e-9, 0.0)
-    assert one.joined(other) == other.joined(one) == Agreement(2, 1, 4, 9, 3e-9, 2e-9, 4e-9)
+    one, other = Agreement(1, 0, 4, 9, 3e-9, 1e-9, 0.0, 4e-9), Agreement(1, 1, 0, 0, 1e-9, 2e-9, 5e-9, 0.0)
+    assert one.joined(other) == other.joined(one) == Agreement(2, 1, 4, 9, 3e-9, 2e-9, 5e-9, 4e-9)
 
 
 def test_medians_are_of_the_times_spent():

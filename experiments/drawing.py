@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from filter.arrays import Array
-from filter.belief import Belief, Region
+from filter.belief import Belief
 from filter.measurements import Bearing, Range
 from filter.polygon import Polygon
+from filter.region import Region
 from filter.team import Team
 from sim.frame import Frame, Truth
 

@@ -22,6 +22,7 @@ from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.own_process import in_own_process
 from experiments.scaling_figures import draw_scaling
+from experiments.scaling_recording import record_size
 from experiments.scaling_run import measure
 from experiments.scaling_size import LEFT_OUT, RATE, Case, Size
 from experiments.terminal import StepProgress, print_table, tell
@@ -72,8 +73,10 @@ class Options:
     """Where all randomness comes from: the same seed, the same runs."""
     baselines: bool = True
     """Compare with the whole team's linear program (up to 100 robots) and the joint Kalman filter (up to 1000)."""
+    recording: bool = False
+    """Record the largest team, with its layers to be switched on and off; it is followed once more for that."""
     out: Path = Path("runs/scaling")
-    """Folder for the summary and the figure."""
+    """Folder for the summary, the figure and the recording."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -99,6 +102,8 @@ def run(options: Options) -> int:
     for size in sizes:
         if size.conflict:
             tell(f"{size.robots} robots: the filter stopped: {size.conflict}")
+    if options.recording:
+        record_size(cases[len(asked) - 1], folder / "scaling.rrd")
     return int(any(size.escapes or size.conflict for size in sizes))
 
 

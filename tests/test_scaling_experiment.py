@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import tasks
+from recordings import rerun, rows_of
 
 from experiments import scaling, scaling_run
 from experiments.monte_carlo import WorkerLost
@@ -35,7 +36,7 @@ def tiny():
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scaling")
-    assert main(["--robots", "5,2", "--steps", "2", "--errors", "extreme", "--out", str(folder)]) == 0
+    assert main(["--robots", "5,2", "--steps", "2", "--errors", "extreme", "--recording", "--out", str(folder)]) == 0
     return folder
 
 
@@ -50,6 +51,11 @@ def test_every_size_is_in_the_lists_of_the_summary(swept):
     assert all(ratio >= 1 - 1e-3 for ratio in summary["area_ratio_to_team"])
     assert min(summary["memory_mib"]) > 50
     assert (swept / "scaling.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_largest_team_is_recorded_if_asked_for(swept):
+    assert rerun("verify", swept / "scaling.rrd").returncode == 0
+    assert len(rows_of(swept / "scaling.rrd", "/world/outer/r4", "LineStrips3D:strips")) == LEFT_OUT + 2
 
 
 def test_the_first_steps_are_checked_and_left_out_of_every_time(tiny):

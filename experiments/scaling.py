@@ -71,8 +71,8 @@ class Options:
     """Kind of the sensors' errors, always within their bounds."""
     seed: int = 0
     """Where all randomness comes from: the same seed, the same runs."""
-    baselines: bool = True
-    """Compare with the whole team's linear program (up to 100 robots) and the joint Kalman filter (up to 1000)."""
+    alone: bool = False
+    """Leave out the comparisons: with the whole team's linear program (up to 100 robots), with the Kalman filter (to 1000)."""
     recording: bool = False
     """Record the largest team, with its layers to be switched on and off; it is followed once more for that."""
     out: Path = Path("runs/scaling")
@@ -139,7 +139,7 @@ def cases_of(options: Options) -> list[Case]:
 def _case(options: Options, robots: int, light: bool, baselines: bool = True) -> Case:
     measured = options.steps or (STEPS_OF_LARGE if robots > MUJOCO_UP_TO else STEPS)
     world: WorldKind = "kinematic" if light else "mujoco"
-    return Case(robots, world, options.errors, options.seed, measured, baselines and options.baselines)
+    return Case(robots, world, options.errors, options.seed, measured, baselines and not options.alone)
 
 
 def measure_all(cases: Sequence[Case]) -> list[Size]:

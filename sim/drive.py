@@ -138,18 +138,32 @@ class Driver:
         """
         world, driving = self._world, self._driving
         covered, reach = world.robot_radius + driving.margin, driving.speed / driving.approach
-        one, other = near(positions, positions, np.full(len(positions), covered + world.robot_radius + 2 * reach))
-        one, other = one[one != other], other[one != other]
-        to_robots = positions[other] - positions[one]
-        beacon, seeing = near(positions, world.landmarks, np.full(len(world.landmarks), covered + reach))
-        bumping, wall = near_walls(positions, world.walls, np.full(len(positions), covered + reach))
-        to_beacons = world.landmarks[beacon] - positions[seeing]
-        to_walls = nearest_on_wall(positions[bumping], world.walls[wall]) - positions[bumping]
-        offsets = np.concatenate([to_robots, to_beacons, to_walls])
-        distances = np.linalg.norm(offsets, axis=1)
+        standing, offsets = self._to_standing(positions, covered + reach)
+        robot, others = self._to_robots(positions, covered + world.robot_radius + 2 * reach)
+        distances, apart = np.linalg.norm(offsets, axis=1), np.linalg.norm(others, axis=1)
         closing = (distances - covered) * driving.approach
-        closing[: len(one)] = (distances[: len(one)] - covered - world.robot_radius) * driving.approach / 2
-        return self._nearest(np.concatenate([one, seeing, bumping]), offsets, distances, closing)
+        both_closing = (apart - covered - world.robot_radius) * driving.approach / 2
+        return self._nearest(
+            np.concatenate([robot, standing]),
+            np.concatenate([others, offsets]),
+            np.concatenate([apart, distances]),
+            np.concatenate([both_closing, closing]),
+        )
+
+    def _to_robots(self, positions: Array, reach: float) -> tuple[Integers, Array]:
+        """Return which robots (k,) have another one within reach, and where from there (k, 2) [m]."""
+        one, other = near(positions, positions, np.full(len(positions), reach))
+        one, other = one[one != other], other[one != other]
+        return one, positions[other] - positions[one]
+
+    def _to_standing(self, positions: Array, reach: float) -> tuple[Integers, Array]:
+        """Return which robots (k,) have a beacon or a wall within reach, and where from there (k, 2) [m]."""
+        world = self._world
+        beacon, robot = near(positions, world.landmarks, np.full(len(world.landmarks), reach))
+        to_beacons = world.landmarks[beacon] - positions[robot]
+        beside, wall = near_walls(positions, world.walls, np.full(len(positions), reach))
+        to_walls = nearest_on_wall(positions[beside], world.walls[wall]) - positions[beside]
+        return np.concatenate([robot, beside]), np.concatenate([to_beacons, to_walls])
 
     def _nearest(self, robot: Integers, offsets: Array, distances: Array, closing: Array) -> tuple[Array, Array]:
         """Return unit vectors and speeds of the obstacles of each robot that allow the least; where it has fewer, no limit."""

@@ -37,6 +37,7 @@ ELLIPSE: Colour = (255, 214, 102)  # of another estimator
 ALARM: Colour = (255, 76, 76)
 ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
 INDIVIDUALLY = 60  # robots at most that have entities of their own; more would slow a viewer down
+CROWDED = 0.4  # size of a large team's points and lines, relative to a small one's
 CLOSE = 12.0  # height from which a large team's middle is shown [m]
 CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
 RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
@@ -188,15 +189,16 @@ class Recording:
         """Say how the layers of one robot look, or those of several that share them."""
         lines, points = rr.LineStrips3D.from_fields, rr.Points3D.from_fields
         alone = len(colours) == 1
+        size = 1.0 if alone else CROWDED
         fill, inner = (colours[0], mixed(colours[0], INK, 0.5)) if alone else (INK, INK)
         trail = [mixed(colour, BACKGROUND, 0.5) for colour in colours]
         self._static(f"/world/fill/{name}", rr.Mesh3D.from_fields(albedo_factor=(*fill, 50)))
-        self._static(f"/world/outer/{name}", lines(colors=colours, radii=ui_points(2.4)))
+        self._static(f"/world/outer/{name}", lines(colors=colours, radii=ui_points(2.4 * size)))
         self._static(f"/world/inner/{name}", lines(colors=inner, radii=ui_points(1.0)))
         self._static(f"/world/trail/{name}", lines(colors=trail, radii=ui_points(1.5)))
-        self._static(f"/world/truth/{name}", points(colors=colours, radii=ui_points(9), point_shading="flat"))
-        self._static(f"/world/heading/{name}", rr.Arrows3D.from_fields(colors=colours, radii=ui_points(3)))
-        self._static(f"/world/estimate/{name}", points(colors=INK, radii=ui_points(4), point_shading="flat"))
+        self._static(f"/world/truth/{name}", points(colors=colours, radii=ui_points(9 * size), point_shading="flat"))
+        self._static(f"/world/heading/{name}", rr.Arrows3D.from_fields(colors=colours, radii=ui_points(3 * size)))
+        self._static(f"/world/estimate/{name}", points(colors=INK, radii=ui_points(4 * size), point_shading="flat"))
 
     def _plots(self, names: Sequence[str], colours: Sequence[Colour]) -> None:
         for name, colour in zip(names, colours, strict=True):

@@ -87,10 +87,11 @@ class Still:
 
 
 def crowded(seed):
-    """Return a driver and where its robots are: one in eight of them so near others that it would have bumped."""
+    """Return a driver and where its robots are: some so near others that they would have bumped, a dozen around one."""
     generator, plan = np.random.default_rng(seed), layout(40)
     positions = start_poses(plan, generator)[0] + generator.normal(0, 0.5, (40, 2))
     positions[:5] = positions[5:10] + generator.uniform(-0.3, 0.3, (5, 2))
+    positions[10:22] = positions[22] + generator.uniform(-0.7, 0.7, (12, 2))
     return Driver(Still(plan, positions), generator), positions, generator
 
 

@@ -28,6 +28,7 @@ from experiments.scaling_size import LEFT_OUT, RATE, Case, Size
 from experiments.terminal import StepProgress, print_table, tell
 from filter.arrays import whole
 from filter.errors import InvalidInput
+from filter.set_membership import PHASES
 from sim.episode import WorldKind
 from sim.errors import ErrorKind
 
@@ -42,8 +43,6 @@ LISTED = (  # what the summary has lists of, one entry for each size
     "simulate_ms",
     "step_median_ms",
     "step_p95_ms",
-    "predict_median_ms",
-    "update_median_ms",
     "rows",
     "window_robots_mean",
     "window_robots_max",
@@ -95,7 +94,9 @@ def run(options: Options) -> int:
     sizes = measure_all(cases)
     summary = summary_of(options, sizes)
     asked = sizes[: len(sizes_of(options))]
-    write_summary(folder, summary | {key: [getattr(size, key) for size in asked] for key in LISTED})
+    listed: dict[str, Value | list[Value]] = {key: [getattr(size, key) for size in asked] for key in LISTED}
+    listed |= {f"{name}_median_ms": [size.phases_median_ms[name] for size in asked] for name in PHASES}
+    write_summary(folder, summary | listed)
     draw_scaling(folder, asked)
     print_sizes(sizes)
     print_table(f"scaling, in {folder}", summary)
@@ -181,6 +182,10 @@ def growth_exponent(step: Mapping[int, float | None]) -> float | None:
     return rounded(float(np.log(many / few) / np.log(GROWTH[1] / GROWTH[0]))) if few and many else None
 
 
+def _of_phase(name: str) -> Callable[[Size], str]:
+    return lambda size: _words(size.phases_median_ms[name])
+
+
 COLUMNS: dict[str, Callable[[Size], str]] = {
     "robots": lambda size: f"{size.robots}",
     "world": lambda size: size.world,
@@ -194,15 +199,25 @@ COLUMNS: dict[str, Callable[[Size], str]] = {
 }
 
 
+PHASE_COLUMNS: dict[str, Callable[[Size], str]] = {
+    "robots": COLUMNS["robots"],
+    "world": COLUMNS["world"],
+    **{name: _of_phase(name) for name in PHASES},
+}
+
+
 def print_sizes(sizes: Sequence[Size]) -> None:
-    """Print a line for each size."""
-    table = Table(
-        *COLUMNS, box=SIMPLE_HEAD, title=f"a step by the size of the team, {LEFT_OUT} steps left out", title_justify="left"
-    )
+    """Print two lines for each size: the whole, and the phases."""
+    _print(f"a step by the size of the team, {LEFT_OUT} steps left out", COLUMNS, sizes)
+    _print("its phases [ms]", PHASE_COLUMNS, sizes)
+
+
+def _print(title: str, columns: Mapping[str, Callable[[Size], str]], sizes: Sequence[Size]) -> None:
+    table = Table(*columns, box=SIMPLE_HEAD, title=title, title_justify="left")
     for column in table.columns:
         column.justify = "right"
     for size in sizes:
-        table.add_row(*(words(size) for words in COLUMNS.values()))
+        table.add_row(*(words(size) for words in columns.values()))
     Console().print(table)
 
 

@@ -18,7 +18,7 @@ from experiments.tuning import TUNED
 from filter.belief import Belief
 from filter.ekf import ExtendedKalmanFilter
 from filter.errors import Inconsistent
-from filter.set_membership import SetMembershipFilter
+from filter.set_membership import PHASES, SetMembershipFilter
 from filter.window import Window, links, members_of
 from sim.errors import ErrorKind
 from sim.frame import Frame
@@ -36,9 +36,10 @@ class Tally:
     """Collects what a size comes to, a step at a time."""
 
     window: Window
+    phases: Phases
     checked: Metrics = field(default_factory=Metrics)
-    predict: list[float] = field(default_factory=list)
-    update: list[float] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    by_phase: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in PHASES})
     areas: list[float] = field(default_factory=list)
     rows: list[int] = field(default_factory=list)
     windows: list[int] = field(default_factory=list)
@@ -46,16 +47,38 @@ class Tally:
 
     def add(self, step: Step) -> None:
         """Take one step in."""
+        by_phase = self.phases.taken()
         self.checked.add(step.frame, step.belief, step.seconds)
         if self.checked.steps <= LEFT_OUT:
             return
-        self.predict.append(step.predict_seconds)
-        self.update.append(step.update_seconds)
+        self.seconds.append(step.seconds)
+        for name, seconds in by_phase.items():
+            self.by_phase[name].append(seconds)
         self.rows.append(len(step.belief.constraints))
         self.areas.append(mean_area(step.belief))
-        if len(self.update) % COMPARED_EVERY == 1:
+        if len(self.seconds) % COMPARED_EVERY == 1:
             self.windows += window_sizes(step.belief, self.window)
             self.compared.append(step)
+
+
+class Phases:
+    """Takes the time of each phase of the filter's step; the last one ends when `taken` is called."""
+
+    def __init__(self) -> None:
+        self._begun: list[tuple[str, float]] = []
+
+    def __call__(self, name: str) -> None:
+        """Let a phase begin."""
+        self._begun.append((name, perf_counter()))
+
+    def taken(self) -> dict[str, float]:
+        """Return how long the phases took since the last call [s]."""
+        ends = [begin for _, begin in self._begun[1:]] + [perf_counter()]
+        total = dict.fromkeys(PHASES, 0.0)
+        for (name, begin), end in zip(self._begun, ends, strict=True):
+            total[name] += end - begin
+        self._begun = []
+        return total
 
 
 class Stopwatch(Iterator[Frame]):
@@ -78,8 +101,9 @@ def measure(case: Case) -> Iterator[float | Size]:
     scenario = case.scenario()
     stopwatch = Stopwatch(scenario.frames)
     first: list[Frame] = []
-    team_filter = SetMembershipFilter(scenario.team, scope=Window())
-    tally, conflict = Tally(Window()), None
+    phases = Phases()
+    team_filter = SetMembershipFilter(scenario.team, scope=Window(), on_phase=phases)
+    tally, conflict = Tally(Window(), phases), None
     try:
         for step in steps(team_filter, replace(scenario, frames=stopwatch)):
             if len(first) <= EKF_STEPS:
@@ -107,8 +131,7 @@ def warm_up() -> float:
 
 def size_of(case: Case, tally: Tally, stopwatch: Stopwatch, compiling: float) -> Size:
     """Return what the filter's own run came to; memory as of now."""
-    totals = [predict + update for predict, update in zip(tally.predict, tally.update, strict=True)]
-    checked = tally.checked
+    totals, checked = tally.seconds, tally.checked
     return Size(
         robots=case.robots,
         world=case.world,
@@ -117,8 +140,7 @@ def size_of(case: Case, tally: Tally, stopwatch: Stopwatch, compiling: float) ->
         simulate_ms=quantile(stopwatch.seconds, 0.5, 1e3),
         step_median_ms=quantile(totals, 0.5, 1e3),
         step_p95_ms=quantile(totals, 0.95, 1e3),
-        predict_median_ms=quantile(tally.predict, 0.5, 1e3),
-        update_median_ms=quantile(tally.update, 0.5, 1e3),
+        phases_median_ms={name: quantile(seconds, 0.5, 1e3) for name, seconds in tally.by_phase.items()},
         rows=mean(tally.rows),
         window_robots_mean=mean(tally.windows),
         window_robots_max=max(tally.windows, default=None),
@@ -163,7 +185,7 @@ def ekf_step_ms(scenario: Scenario, errors: ErrorKind, frames: Sequence[Frame]) 
 
 def mean_area(belief: Belief) -> float:
     """Return the mean area of the outer polygons [m2]."""
-    return float(np.mean([region.outer.area for region in belief.regions]))
+    return float(belief.regions.outer.areas.mean())
 
 
 def mean(values: Sequence[float]) -> float | None:

@@ -60,8 +60,7 @@ class Size:
         simulate_ms: Time in which a frame is simulated.
         step_median_ms: Time of a step, prediction and update.
         step_p95_ms: Time that 95 % of the steps keep.
-        predict_median_ms: Time of the prediction.
-        update_median_ms: Time of the update.
+        phases_median_ms: Time of each of the filter's phases.
         rows: Number of the belief's rows after a step, the mean.
         window_robots_mean: Robots in a window.
         window_robots_max: Robots in the largest window.
@@ -82,8 +81,7 @@ class Size:
     simulate_ms: float | None
     step_median_ms: float | None
     step_p95_ms: float | None
-    predict_median_ms: float | None
-    update_median_ms: float | None
+    phases_median_ms: dict[str, float | None]
     rows: float | None
     window_robots_mean: float | None
     window_robots_max: int | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -39,6 +39,13 @@ from filter.window import Window
 Policy = Literal["raise", "reject"]
 
 
+PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
+
+
+def _unheard(phase: str) -> None:
+    """Let a phase begin."""
+
+
 @dataclass(frozen=True, eq=False)
 class SetMembershipFilter:
     """Keeps a belief about a moving team that contains the truth as long as every declared bound holds.
@@ -57,6 +64,7 @@ class SetMembershipFilter:
             in conflict that let the rest agree, each one an event of the belief.
         fallbacks: Solvers that are asked in turn where the first one's answers are no good.
         budget: How long an update may take, or None; robots whose turn has not come keep their propagated regions.
+        on_phase: Told the name of each phase of a step as it begins, one of PHASES; for whoever wants to take the time.
         threads: How many windows are projected at a time, from 1 on; None for as many as there are cores. The result
             does not depend on it.
 
@@ -75,6 +83,7 @@ class SetMembershipFilter:
     fallbacks: tuple[Solver, ...] = ("piqp", "highs")
     budget: Budget | None = None
     threads: int | None = None
+    on_phase: Callable[[str], object] = _unheard
 
     def __post_init__(self) -> None:
         check_solver(self.solver, [EXACT])
@@ -137,6 +146,7 @@ class SetMembershipFilter:
             InvalidInput: The odometry ends at another time, or names an unknown robot.
             Inconsistent: A robot has left the arena for sure.
         """
+        self.on_phase("predict")
         self.team.check_motion(belief.time, time, odometry)
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
@@ -158,6 +168,7 @@ class SetMembershipFilter:
             Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
                 With the policy "reject": and none of these measurements is in the conflict.
         """
+        self.on_phase("headings")
         records = self.team.checked(belief.time, measurements)
         is_over = self.budget.begin() if self.budget else never
         if self.policy == "raise":
@@ -165,9 +176,14 @@ class SetMembershipFilter:
         return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
+        self.on_phase("headings")
         sources, numbered = _numbered(belief.sources, measurements)
         headings = narrowed_headings(belief, measurements, self.team.landmarks)
-        polytope = self._pruned(self._merged(belief.polytope, headings, numbered))
+        self.on_phase("merge")
+        merged = self._merged(belief.polytope, headings, numbered)
+        self.on_phase("prune")
+        polytope = self._pruned(merged)
+        self.on_phase("project")
         found = searched(
             belief.time,
             polytope,
@@ -178,6 +194,7 @@ class SetMembershipFilter:
             is_over=is_over,
             threads=self.threads,
         )
+        self.on_phase("forget")
         pruned = self._pruned(found.polytope)
         belief = Belief(belief.time, pruned, headings, found.regions, found.sources, found.events, found.proofs)
         return belief.compact()

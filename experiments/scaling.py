@@ -96,7 +96,7 @@ def run(options: Options) -> int:
     asked = sizes[: len(sizes_of(options))]
     listed: dict[str, Value | list[Value]] = {key: [getattr(size, key) for size in asked] for key in LISTED}
     listed |= {f"{name}_median_ms": [size.phases_median_ms[name] for size in asked] for name in PHASES}
-    write_summary(folder, summary | listed)
+    write_summary(folder, {**summary, **listed})
     draw_scaling(folder, asked)
     print_sizes(sizes)
     print_table(f"scaling, in {folder}", summary)

@@ -68,8 +68,10 @@ def agreement_of(problem: Problem, directions: int) -> Agreement:
     found = by_kernel(problem, problem.task(EXACT))
     if not len(found.vertices):
         return Agreement(windows=1, fallbacks=1)
-    chosen = np.unique(np.linspace(0, len(found.normals), directions, endpoint=False).astype(int))
-    normals, offsets, solver = found.normals[chosen], found.offsets[chosen], problem.solver("piqp")
+    edges = len(found.rows)
+    chosen = np.unique(np.linspace(0, edges, directions, endpoint=False).astype(int))
+    normals, offsets = (column[chosen] for column in found.lines)
+    solver = problem.solver("piqp")
     solved = [solver.maximize(normal @ problem.plane) for normal in normals]
     nothing = np.zeros(len(problem.program.b))
     multipliers = np.array([nothing if each is None else each.multipliers for each in solved])
@@ -77,7 +79,7 @@ def agreement_of(problem: Problem, directions: int) -> Agreement:
     points = np.array([np.full(2, np.inf) if each is None else problem.plane @ each.point for each in solved])
     apart = np.abs(offsets - (points * normals).sum(axis=1))
     sizes = float(apart.max()), float(above.max()), float(-above.min()), float(apart.sum())
-    return Agreement(1, 0, len(chosen), len(found.normals), *sizes)
+    return Agreement(1, 0, len(chosen), edges, *sizes)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from filter.projection import Stop, position
 from filter.search import project
 from filter.solvers import SIMPLEX, Workspace, workspace
 from filter.window import Window, links
-from filter.windows import Task, Windowed, project_some
+from filter.windowed import Task, Windowed, project_window
 
 EVERYBODY = Window(hops=99, robots=10_000)
 SEARCH = Stop()  # the filter's own
@@ -61,12 +61,12 @@ class Problem:
         rows, box = self.polytope.constraints, (self.polytope.lower, self.polytope.upper)
         goal = (float(stop.performance_ratio), float(stop.area_gap), int(stop.searches))
         who = links(rows, len(self.polytope.lower))
-        return Task(EVERYBODY.hops, EVERYBODY.robots, who, (rows.i, rows.j, rows.normal, rows.offset), box, goal)
+        return Task(EVERYBODY.hops, EVERYBODY.robots, who, rows.columns, box, goal)
 
 
 def by_kernel(problem: Problem, task: Task) -> Windowed:
     """Walk around the shadow in compiled code, certify, simplify and cut: all that the filter does for a window."""
-    return project_some(np.array([problem.robot]), task)[0]
+    return project_window(problem.robot, task, np.full(len(problem.polytope.lower), -1))
 
 
 def by_walker(problem: Problem) -> None:

@@ -99,7 +99,7 @@ def optimum(history: History, step: int, stop: Stop) -> tuple[Projection, ...]:
     robots, polytope = history.team.robots, history.polytope(step)
     bodies = len(polytope.lower)
     planes = [position(bodies - robots + robot, bodies) for robot in range(robots)]
-    return project_all(polytope.program(), planes, [NOTHING] * robots, SOLVERS, stop).found
+    return project_all(polytope.program(), planes, [NOTHING] * robots, SOLVERS, stop).complete
 
 
 def motion_rows(moves: Displacements, now: int, tangents: int) -> list[Constraints]:
@@ -121,11 +121,13 @@ def motion_rows(moves: Displacements, now: int, tangents: int) -> list[Constrain
 
 def without_implied(rows: Constraints, lower: Array, upper: Array) -> Constraints:
     """Return the rows without those that the others on the same robot or pair imply, within a box (n, 2) and (n, 2)."""
-    polytope, edges = Polytope(rows, lower, upper), [np.zeros(0, dtype=np.int64)]
-    for i, j in np.unique(np.stack([rows.i, rows.j], axis=1), axis=0).tolist():
-        known = polytope.of_robot(j) if i == WORLD else polytope.of_pair(i, j)
-        edges.append(known[1][known[1] >= 0] if known else rows.rows_of(i, j))
-    return rows.select(np.concatenate(edges))
+    polytope, (order, i, j, size) = Polytope(rows, lower, upper), rows.grouped()
+    alone, keep, stays = i == WORLD, np.zeros(len(rows), dtype=bool), np.zeros(len(size), dtype=bool)
+    for some, cuts in ((alone, polytope.of_robots(j[alone])), (~alone, polytope.of_pairs(i[~alone], j[~alone]))):
+        keep[cuts.edges[cuts.edges >= 0]] = True
+        stays[some] = cuts.empty  # rows that exclude one another all stay
+    keep[order[np.repeat(stays, size)]] = True
+    return rows.select(keep)
 
 
 def at_step(rows: Constraints, first: int) -> Constraints:

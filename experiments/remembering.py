@@ -60,10 +60,10 @@ class RememberingFilter(SetMembershipFilter):
         polytope, rows, robots = belief.polytope, belief.constraints, self.team.robots
         pairs = sorted(set(zip(rows.i[rows.i >= 0].tolist(), rows.j[rows.i >= 0].tolist(), strict=True)))
         if not self.pairs:
-            known = {pair: polytope.of_pair(*pair) for pair in pairs}
-            return {pair: each[0] for pair, each in known.items() if each}
+            i, j = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+            return dict(zip(pairs, polytope.of_pairs(i, j).polygons, strict=True))
         planes = [relative_position(j, i, robots) for i, j in pairs]
-        found = project_all(polytope.program(), planes, [NOTHING] * len(pairs), self.solvers, self.stop).found
+        found = project_all(polytope.program(), planes, [NOTHING] * len(pairs), self.solvers, self.stop).complete
         return {pair: each.outer for pair, each in zip(pairs, found, strict=bool(found))}
 
     def _lines(self, polygon: Polygon) -> tuple[Array, Array]:

@@ -62,10 +62,11 @@ def test_the_walk_agrees_with_piqp_and_with_a_search(seed):
 def test_a_walk_that_is_wrong_or_lost_is_noticed(monkeypatch):
     problem = Problem(draw_grid(np.random.default_rng(0), 4), 1)
     right = by_kernel(problem, problem.task(EXACT))
-    monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(offsets=right.offsets + 1e-6))
+    normals, offsets = right.lines
+    monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(lines=(normals, offsets + 1e-6)))
     assert agreement_of(problem, 4).apart == pytest.approx(1e-6, rel=0.05)
     assert agreement_of(problem, 4).above == pytest.approx(1e-6, rel=0.05)
-    monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(offsets=right.offsets - 1e-6))
+    monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(lines=(normals, offsets - 1e-6)))
     assert agreement_of(problem, 4).apart == pytest.approx(1e-6, rel=0.05)
     assert agreement_of(problem, 4).below == pytest.approx(1e-6, rel=0.05)
     monkeypatch.setattr(benchmark_agreement, "by_kernel", lambda *_: right._replace(vertices=np.zeros((0, 2))))

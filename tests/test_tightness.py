@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.optimize import linprog
-from worlds import World, unit
+from worlds import World, of_pair, of_robot, unit
 
 from experiments.history import History, motion_rows, optimum, without_implied
 from experiments.run import Step
@@ -174,7 +174,7 @@ def test_rows_left_out_are_implied_by_those_that_are_left(seed):
     assert len(kept) < count
     for first in (-1, 0, 1):
         whole, part = Polytope(rows, lower, upper), Polytope(kept, lower, upper)
-        of = (lambda p, f=first: p.of_robot(2)[0]) if first < 0 else (lambda p, f=first: p.of_pair(f, 2)[0])
+        of = (lambda p, f=first: of_robot(p, 2)[0]) if first < 0 else (lambda p, f=first: of_pair(p, f, 2)[0])
         assert of(part).support(rows.normal) == pytest.approx(of(whole).support(rows.normal), abs=1e-12)
 
 

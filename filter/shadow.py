@@ -140,27 +140,24 @@ def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
 @compiled
 def _first_to_block(basis: Basis, rates: Array) -> int:
     """Return the row that is met first; of rows met at the same place, the steepest. Negative when lost: there is none."""
-    chosen = -1
+    chosen, least, steepest = -1, 1.0, 0.0
     for i in range(len(rates)):
-        if not basis.slack[i] >= -STRAYED:  # nor is it a number, then
-            return -1
-        if rates[i] > PARALLEL and not basis.is_basic[i]:
-            if chosen < 0:
-                chosen = i
-                continue
-            difference = max(0.0, basis.slack[i]) * rates[chosen] - max(0.0, basis.slack[chosen]) * rates[i]
-            if difference < 0 or (difference == 0 and rates[i] > rates[chosen]):
-                chosen = i
-    return chosen
+        rate = rates[i]
+        if rate > PARALLEL:
+            slack = max(0.0, basis.slack[i])
+            difference = slack * steepest - least * rate
+            if (difference < 0 or (difference == 0 and rate > steepest)) and not basis.is_basic[i]:
+                chosen, least, steepest = i, slack, rate
+    return -1 if _strayed(basis) else chosen
 
 
 @compiled
 def _strayed(basis: Basis) -> bool:
     """Return whether the vertex violates a row, or is none any more: a bound from there would be right, but far off."""
-    for slack in basis.slack:  # noqa: SIM110
-        if not slack >= -STRAYED:
-            return True
-    return False
+    strayed = False
+    for slack in basis.slack:
+        strayed |= not slack >= -STRAYED  # nor is it a number, then
+    return strayed
 
 
 @compiled
@@ -168,9 +165,9 @@ def _keep(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: flo
     at = trace.filled[0]
     if at < len(trace.normal):
         trace.normal[at, 0], trace.normal[at, 1] = x, y
-        trace.prices[at] = x * across + y * up
-        trace.basic[at] = basis.basic
-        trace.point[at] = basis.point
+        for k in range(len(across)):
+            trace.prices[at, k] = x * across[k] + y * up[k]
+            trace.basic[at, k], trace.point[at, k] = basis.basic[k], basis.point[k]
         trace.filled[0] = at + 1
 
 

@@ -127,18 +127,22 @@ def walk(basis: Basis, k: int, step: float, rates: Array) -> None:
 @compiled
 def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
     """Write how fast each slack shrinks along the edge on which row k is left."""
-    edge = -basis.inverse[:, k]
-    for i in range(len(rows.offset)):
+    variables, edge = len(basis.point), -basis.inverse[:, k]
+    bounds = len(rows.offset) - 2 * variables
+    for i in range(bounds):
         rates[i] = along(rows, i, edge)
+    for j in range(variables):
+        rates[bounds + j], rates[bounds + variables + j] = edge[j], -edge[j]
 
 
 @compiled
 def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
     """Put a row, written as a combination of the basic ones, in the place of the k-th of them."""
-    for j in range(len(basis.basic)):
-        share = basis.inverse[j, k] / weights[k]
+    variables, part = len(basis.basic), 1 / weights[k]
+    for j in range(variables):
+        share = basis.inverse[j, k] * part
         if share != 0.0:
-            for m in range(len(weights)):
+            for m in range(variables):
                 basis.inverse[j, m] -= share * weights[m]
             basis.inverse[j, k] = share
     basis.is_basic[basis.basic[k]] = False

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +24,11 @@ DECIMALS = 6  # of times since the run's start [s]; the logs have three
 
 @dataclass(frozen=True, eq=False)
 class RobotLog:
-    """What one robot logged, in order of time, times counted from the run's start.
+    """What one robot logged.
 
     Attributes:
         commands: (c, 3) time [s], forward speed [m/s] and turn rate [rad/s] that the robot was told from then on.
-        measurements: (m, 4) time [s], subject, range [m] and bearing [rad] from the robot's forward axis.
+        measurements: (m, 4) time [s], subject (in `Tables`: barcode), range [m] and bearing [rad] from the forward axis.
         truth: (g, 4) time [s], x [m], y [m], heading [rad]; no rows where there is no file.
     """
 
@@ -41,6 +41,25 @@ class RobotLog:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """The files of a run as they are: times on the logs' clock, barcodes instead of subjects.
+
+    Attributes:
+        name: The folder's name.
+        barcodes: The subject that each barcode names.
+        landmarks: (l, 3) subject, x [m], y [m], in the subjects' order.
+        logs: Of each robot, by its number in the files.
+        cut_lines: Last lines that are not whole and were left out.
+    """
+
+    name: str
+    barcodes: Mapping[int, int]
+    landmarks: Array
+    logs: Mapping[int, RobotLog]
+    cut_lines: int = 0
+
+
 @dataclass(frozen=True)
 class Dropped:
     """What of the files could not be used.
@@ -48,7 +67,7 @@ class Dropped:
     Attributes:
         cut_lines: Last lines that are not whole.
         unknown_barcodes: Measurements of a barcode that names nobody, or the robot itself.
-        duplicates: Measurements that say the same as another one, bit for bit.
+        duplicates: Commands and measurements that say the same as another one, bit for bit.
         impossible: Measurements of a negative range.
     """
 
@@ -63,12 +82,12 @@ class Dropped:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A run of the data set.
+    """A run of the data set, put in order.
 
     Attributes:
         name: The folder's name.
-        epoch: The first command or measurement of anybody, on the logs' clock; times are counted from here [s].
-        logs: Of each robot, by its number in the files.
+        epoch: The first command or measurement of anybody, on the logs' clock; all times are counted from here [s].
+        logs: Of each robot, by its number in the files; in order of time.
         landmarks: (l, 3) subject, x [m], y [m].
         dropped: What could not be used.
     """
@@ -79,14 +98,6 @@ class Run:
     landmarks: Array
     dropped: Dropped = field(default_factory=Dropped)
 
-    @property
-    def end(self) -> float:
-        """The time of the last command or measurement [s]."""
-        return max((float(log[-1, 0]) for log in self._stamped()), default=0.0)
-
-    def _stamped(self) -> list[Array]:
-        return [table for log in self.logs.values() for table in (log.commands, log.measurements) if len(table)]
-
 
 def read_run(folder: Path) -> Run:
     """Return the run in a folder.
@@ -96,57 +107,74 @@ def read_run(folder: Path) -> Run:
     Raises:
         InvalidInput: A file is missing (but one of truth), or a line is damaged; the message has the file and the line.
     """
-    barcodes, landmarks = _subjects(folder / "Barcodes.dat"), _table(folder / "Landmark_Groundtruth.dat", 5, whole=True)[0]
+    return run_of(read_tables(folder))
+
+
+def read_tables(folder: Path) -> Tables:
+    """Return the files of a run as they are.
+
+    Raises:
+        InvalidInput: A file is missing (but one of truth), or a line is damaged; the message has the file and the line.
+    """
+    subjects, _ = _table(folder / "Barcodes.dat", 2, whole=True)
+    landmarks, _ = _table(folder / "Landmark_Groundtruth.dat", 5, whole=True)
     robots = sorted(int(named[1]) for path in folder.glob("*") if (named := ODOMETRY.fullmatch(path.name)))
     if not robots:
         raise InvalidInput(f"logs of robots in {folder}", "no file Robot<k>_Odometry.dat")
-    read = {robot: _log(folder, robot, barcodes) for robot in robots}
-    logs, dropped = {robot: log for robot, (log, _) in read.items()}, sum((less for _, less in read.values()), Dropped())
-    begun = [table[0, 0] for log in logs.values() for table in (log.commands, log.measurements) if len(table)]
+    read = {robot: _log(folder, robot) for robot in robots}
+    return Tables(
+        name=folder.resolve().name,
+        barcodes={int(barcode): int(subject) for subject, barcode in subjects},
+        landmarks=read_only(landmarks[np.argsort(landmarks[:, 0])][:, :3]),
+        logs={robot: log for robot, (log, _) in read.items()},
+        cut_lines=sum(cut for _, cut in read.values()),
+    )
+
+
+def run_of(tables: Tables) -> Run:
+    """Return the run that the files tell of: in order of time, what cannot be used dropped and counted.
+
+    Raises:
+        InvalidInput: There is neither a command nor a measurement.
+    """
+    begun = [table[:, 0].min() for log in tables.logs.values() for table in (log.commands, log.measurements) if len(table)]
     if not begun:
-        raise InvalidInput(f"commands or measurements in {folder}", "none")
+        raise InvalidInput(f"commands or measurements in {tables.name}", "none")
     epoch = float(min(begun))
-    since = {robot: _since(log, epoch) for robot, log in logs.items()}
-    return Run(folder.resolve().name, epoch, since, read_only(landmarks[np.argsort(landmarks[:, 0])][:, :3]), dropped)
+    used = {robot: _usable(robot, log, tables.barcodes, epoch) for robot, log in tables.logs.items()}
+    dropped = sum((less for _, less in used.values()), Dropped(cut_lines=tables.cut_lines))
+    return Run(tables.name, epoch, {robot: log for robot, (log, _) in used.items()}, tables.landmarks, dropped)
 
 
-def _subjects(path: Path) -> dict[int, int]:
-    """Return the subject that each barcode names."""
-    return {int(barcode): int(subject) for subject, barcode in _table(path, 2, whole=True)[0]}
-
-
-def _log(folder: Path, robot: int, barcodes: Mapping[int, int]) -> tuple[RobotLog, Dropped]:
-    """Return a robot's log on the logs' clock, and what could not be used."""
+def _log(folder: Path, robot: int) -> tuple[RobotLog, int]:
+    """Return a robot's files, and how many last lines are cut off."""
     commands, cut = _table(folder / f"Robot{robot}_Odometry.dat", 3)
     measurements, cut_too = _table(folder / f"Robot{robot}_Measurement.dat", 4)
     where = folder / f"Robot{robot}_Groundtruth.dat"
     truth, cut_as_well = _table(where, 4) if where.exists() else (np.zeros((0, 4)), 0)
-    named, dropped = _named(measurements, robot, barcodes)
-    first = np.unique(truth[:, 0], return_index=True)[1]
-    log = RobotLog(_in_order(commands), _in_order(named), truth[first])
-    return log, replace(dropped, cut_lines=cut + cut_too + cut_as_well)
+    return RobotLog(commands, measurements, truth), cut + cut_too + cut_as_well
 
 
-def _named(measurements: Array, robot: int, barcodes: Mapping[int, int]) -> tuple[Array, Dropped]:
-    """Return the measurements with subjects in place of barcodes, and how many were dropped."""
-    subjects = np.array([barcodes.get(int(barcode), robot) for barcode in measurements[:, 1]])
-    known, possible = subjects != robot, measurements[:, 2] >= 0
-    named = np.column_stack([measurements[:, 0], subjects, measurements[:, 2:]])[known & possible]
-    once = np.sort(np.unique(named, axis=0, return_index=True)[1])
-    return named[once], Dropped(
-        unknown_barcodes=int((~known).sum()), duplicates=len(named) - len(once), impossible=int((known & ~possible).sum())
+def _usable(robot: int, log: RobotLog, barcodes: Mapping[int, int], epoch: float) -> tuple[RobotLog, Dropped]:
+    subjects = np.array([barcodes.get(int(barcode), robot) for barcode in log.measurements[:, 1]], dtype=float)
+    known, possible = subjects != robot, log.measurements[:, 2] >= 0
+    named = np.column_stack([log.measurements[:, 0], subjects, log.measurements[:, 2:]])[known & possible]
+    commands, measurements = _ordered(log.commands, epoch), _ordered(named, epoch)
+    truth = _ordered(log.truth, epoch)
+    dropped = Dropped(
+        unknown_barcodes=int((~known).sum()),
+        duplicates=len(log.commands) + len(named) - len(commands) - len(measurements),
+        impossible=int((known & ~possible).sum()),
     )
+    return RobotLog(commands, measurements, truth[np.unique(truth[:, 0], return_index=True)[1]]), dropped
 
 
-def _in_order(table: Array) -> Array:
-    return table[np.argsort(table[:, 0], kind="stable")]
-
-
-def _since(log: RobotLog, epoch: float) -> RobotLog:
-    def shifted(table: Array) -> Array:
-        return np.column_stack([np.round(table[:, 0] - epoch, DECIMALS), table[:, 1:]])
-
-    return RobotLog(shifted(log.commands), shifted(log.measurements), shifted(log.truth))
+def _ordered(table: Array, epoch: float) -> Array:
+    """Return the rows in order of time, each once, with times since the epoch; rows of one time stay in their order."""
+    once = np.sort(np.unique(table, axis=0, return_index=True)[1]) if len(table) else np.zeros(0, dtype=np.int64)
+    rows = table[once]
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    return np.column_stack([np.round(rows[:, 0] - epoch, DECIMALS), rows[:, 1:]])
 
 
 def _table(path: Path, columns: int, whole: bool = False) -> tuple[Array, int]:

@@ -98,8 +98,9 @@ class Drawing:
             for robot in range(self.team.robots):
                 yield from self._truth(self.team.name(robot), frame.truth, robot)
         for robot, region in enumerate(belief.regions):
-            place = region.outer.centroid if frame.truth is None else frame.truth.positions[robot]
-            yield self._trail(robot, frame.time, place)
+            place = None if frame.truth is None else frame.truth.positions[robot]
+            seen = place is not None and bool(np.isfinite(place).all())
+            yield self._trail(robot, frame.time, place if place is not None and seen else region.outer.centroid)
         yield from self._rays(frame, belief)
 
     def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
@@ -112,10 +113,11 @@ class Drawing:
         yield f"/performance_ratio/{name}", Number(region.performance_ratio)
 
     def _truth(self, name: str, truth: Truth, robot: int) -> Iterator[tuple[str, Item]]:
-        place = at_height(truth.positions[robot : robot + 1], "truth")
-        heading = truth.headings[robot]
+        known = slice(robot, robot + int(np.isfinite(truth.positions[robot]).all()))  # nothing is drawn where nobody knows
+        place, heading = at_height(truth.positions[known], "truth"), truth.headings[known]
         yield f"/world/truth/{name}", Points(place)
-        yield f"/world/heading/{name}", Arrows(place, ARROW * np.array([[np.cos(heading), np.sin(heading), 0.0]]))
+        along = np.column_stack([np.cos(heading), np.sin(heading), np.zeros(len(heading))])
+        yield f"/world/heading/{name}", Arrows(place, ARROW * along)
 
     def _trail(self, robot: int, time: float, place: Array) -> tuple[str, Item]:
         trail = self._trails.setdefault(robot, deque())

@@ -53,6 +53,7 @@ def frames(
     *,
     bounds: Bounds | None = None,
     known: Start | None = None,
+    generator: np.random.Generator | None = None,
 ) -> Scenario:
     """Return a run as a scenario: team, initial sets, frames.
 
@@ -65,6 +66,7 @@ def frames(
         bounds: The declared bounds; the defaults if None.
         known: What is known at the start; the defaults if None. It is where the truth enters, and the only place. A robot
             whose truth is not known at the start may be anywhere, with any heading.
+        generator: Moves each initial set at random as far as it still contains the truth; None leaves the truth in its middle.
 
     Raises:
         InvalidInput: A robot has no log or comes twice, or there is no measurement in this time.
@@ -81,7 +83,7 @@ def frames(
     truth = truth_at(run, robots, np.append(start, times))
     return Scenario(
         header=Header(team, start, None),
-        initial=_initial_sets(truth.positions[0], truth.headings[0], known, team),
+        initial=_initial_sets(truth.positions[0], truth.headings[0], known, team, generator),
         frames=_frames(start, times, measured, Motions(run, robots, bounds), truth),
         count=len(times),
         walls=np.zeros((0, 4)),
@@ -200,14 +202,20 @@ def _known(stamps: Array, times: Array) -> Mask:
     return np.asarray(within & (stamps[after] - stamps[after - 1] <= TRUTH_GAP))
 
 
-def _initial_sets(positions: Array, headings: Array, known: Start, team: Team) -> tuple[InitialSet, ...]:
+def _initial_sets(
+    positions: Array, headings: Array, known: Start, team: Team, generator: np.random.Generator | None
+) -> tuple[InitialSet, ...]:
     lower, upper = team.arena
     anywhere = (lower + upper) / 2 + (upper - lower) / 2 * CORNERS
+    aside = np.zeros((len(positions), 3)) if generator is None else generator.uniform(-1, 1, (len(positions), 3))
     sets = []
-    for place, heading in zip(positions, headings.tolist(), strict=True):
-        put_down = known.position is not None and bool(np.isfinite(place).all())
-        arc = None if known.heading is None or not np.isfinite(heading) else (heading, known.heading)
-        sets.append(InitialSet(place + known.position * CORNERS if put_down and known.position is not None else anywhere, arc))
+    for place, heading, by in zip(positions, headings.tolist(), aside, strict=True):
+        box, arc = anywhere, None
+        if known.position is not None and np.isfinite(place).all():
+            box = place + known.position * (by[:2] + CORNERS)
+        if known.heading is not None and np.isfinite(heading):
+            arc = (float(wrap(heading + known.heading * by[2])), known.heading)
+        sets.append(InitialSet(box, arc))
     return tuple(sets)
 
 

@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from experiments.colours import colour_of
-from experiments.figures import FAINT, INK, LOOK, TUNED
+from experiments.figures import LOOK, SETS, TUNED
 from experiments.mrclam_metrics import Table
 from filter.arrays import Array, Mask
 from filter.team import Team
@@ -32,8 +31,8 @@ def area(table: Table, team: Team) -> Figure:
     """Return each robot's area over time, with the suspended intervals, the rejected measurements and the escapes."""
     figure, panels = _panels(team)
     for robot, axes in enumerate(panels):
-        _line(axes, table.time, table.area[:, robot], _hex(robot), "outer polygon")
-        _line(axes, table.time, table.ekf_area[:, robot], TUNED if robot != 1 else FAINT, "EKF, 99.7 % ellipse")
+        _line(axes, table.time, table.area[:, robot], SETS, "outer polygon")
+        _line(axes, table.time, table.ekf_area[:, robot], TUNED, "EKF, 99.7 % ellipse")
         _marks(axes, table, robot)
         axes.set(yscale="log")
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -45,8 +44,8 @@ def error(table: Table, team: Team) -> Figure:
     """Return the error of each robot's point over time."""
     figure, panels = _panels(team)
     for robot, axes in enumerate(panels):
-        _line(axes, table.time, table.error[:, robot], _hex(robot), "polygon's centroid")
-        _line(axes, table.time, table.ekf_error[:, robot], TUNED if robot != 1 else FAINT, "EKF's mean")
+        _line(axes, table.time, table.error[:, robot], SETS, "polygon's centroid")
+        _line(axes, table.time, table.ekf_error[:, robot], TUNED, "EKF's mean")
         _marks(axes, table, robot)
         axes.set_ylabel(f"{team.name(robot)} [m]")
         axes.set_ylim(0, None)
@@ -85,10 +84,5 @@ def _finished(figure: Figure, panels: list[Axes], title: str) -> Figure:
     panels[0].set_title(title)
     shade = mpl.patches.Patch(color=SUSPENDED, label="guarantee suspended")
     handles, _ = panels[0].get_legend_handles_labels()
-    handles[0] = mpl.lines.Line2D([], [], color=INK, label=str(handles[0].get_label()))
     figure.legend(handles=[*handles, shade], loc="outside lower center", ncols=len(handles) + 1)
     return figure
-
-
-def _hex(robot: int) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*colour_of(robot))

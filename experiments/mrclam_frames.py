@@ -199,7 +199,8 @@ def _poses(table: Array, times: Array) -> Array:
 def _known(stamps: Array, times: Array) -> Mask:
     after = np.clip(np.searchsorted(stamps, times), 1, len(stamps) - 1)
     within = (stamps[0] <= times) & (times <= stamps[-1])
-    return np.asarray(within & (stamps[after] - stamps[after - 1] <= TRUTH_GAP))
+    near = (stamps[after] - stamps[after - 1] <= TRUTH_GAP) | (stamps[after] == times)
+    return np.asarray(within & near)
 
 
 def _initial_sets(

@@ -85,9 +85,12 @@ class Bounds:
 
 def _check_knots(name: str, knots: Knots) -> None:
     expected = f"{name}: knots (length, bound) of a concave function that grows from (0, 0)"
-    points = np.vstack([np.zeros((1, 2)), finite(name, knots)])
+    given = finite(name, knots)
+    if given.ndim != 2 or given.shape[1] != 2:
+        raise InvalidInput(expected, knots)
+    points = np.vstack([np.zeros((1, 2)), given])
     steps = np.diff(points, axis=0)
-    if len(steps) == 0 or (steps[:, 0] <= 0).any() or (steps[:, 1] < 0).any():
+    if (steps[:, 0] <= 0).any() or (steps[:, 1] < 0).any():
         raise InvalidInput(expected, knots)
     slopes = steps[:, 1] / steps[:, 0]
     if (np.diff(slopes) > 0).any():

@@ -18,6 +18,7 @@ from filter.team import Team
 from sim.frame import Frame, Truth
 
 LENGTHS = (0.1, 1.0, 10.0)  # of the intervals in which motion is judged [s]
+ROUNDING = 1e-9  # an error that is at its bound does not break it [m] [rad]
 NO_REACH = ((1.0, 1e3),)  # knots of a path without limit
 EVERY = 0.05  # between the beginnings of such intervals [s]
 DELAYS = np.arange(-0.1, 0.301, 0.02)  # that are tried [s]
@@ -87,7 +88,7 @@ def _measured(record: Measurement, truth: Truth, team: Team) -> Array:
         return _angles(record.robot, record.time, record.bearing, true, record.bound)
     distance = np.hypot(away[:, 0], away[:, 1])
     least, greatest = record.interval()
-    broken = (distance < least) | (distance > greatest)
+    broken = (distance < least - ROUNDING) | (distance > greatest + ROUNDING)
     return np.column_stack([record.robot, np.full(len(away), record.time), record.range - distance, distance, broken])
 
 
@@ -98,7 +99,7 @@ def _turned(odometry: Odometry, before: Truth, after: Truth) -> Array:
 
 def _angles(robot: Integers, time: float, said: Array, true: Array, bound: Array) -> Array:
     error = wrap(said - true)
-    return np.column_stack([robot, np.full(len(robot), time), error, true, np.abs(error) > bound])
+    return np.column_stack([robot, np.full(len(robot), time), error, true, np.abs(error) > bound + ROUNDING])
 
 
 def motion_errors(run: Run, robots: Sequence[int], bounds: Bounds) -> list[Errors]:

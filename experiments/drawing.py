@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from experiments.located import Located
 from filter.arrays import Array
-from filter.belief import Belief, Region
+from filter.belief import Region
 from filter.measurements import Bearing, Range
 from filter.polygon import Polygon
 from filter.team import Team
@@ -90,7 +91,7 @@ class Drawing:
     team: Team
     _trails: dict[int, deque[tuple[float, Array]]] = field(default_factory=dict)
 
-    def items(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+    def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         """Yield each entity's path and what it shows at this instant."""
         for robot, region in enumerate(belief.regions):
             yield from self._region(self.team.name(robot), region)
@@ -127,7 +128,7 @@ class Drawing:
         line = at_height(np.array([point for _, point in trail]), "trail")
         return f"/world/trail/{self.team.name(robot)}", Strips((line,) if len(line) > 1 else ())
 
-    def _rays(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+    def _rays(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         places = np.concatenate([[region.outer.centroid for region in belief.regions], self.team.landmarks])
         for kind in (Bearing, Range):
             records = [record for record in frame.measurements if isinstance(record, kind)]

@@ -8,6 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
+from experiments.located import Located
 from experiments.mrclam_motion import Motions
 from experiments.scenarios import Scenario, initial_headings
 from filter.arrays import Mask
@@ -34,7 +35,7 @@ class Followed:
     """
 
     frame: Frame
-    belief: Belief
+    belief: Located
     suspended: Mask
     rejected: tuple[Source, ...]
     resets: int

@@ -10,9 +10,9 @@ from types import TracebackType
 
 import numpy as np
 
+from experiments.located import Located
 from experiments.metrics import Value
 from filter.arrays import Array
-from filter.belief import Belief
 from filter.errors import InvalidInput
 from filter.team import Team
 from sim.frame import Frame
@@ -60,7 +60,7 @@ class Trajectories:
         self._lines: dict[str, list[str]] = defaultdict(list)
         self._frames = 0
 
-    def write(self, frame: Frame, belief: Belief) -> None:
+    def write(self, frame: Frame, belief: Located) -> None:
         """Append one frame."""
         centroids = np.array([region.outer.centroid for region in belief.regions])
         self.estimate("filter", frame.time, centroids, belief.headings.centre)

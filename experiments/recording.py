@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from experiments.colours import Colour, colour_of, mixed
 from experiments.drawing import LABEL, Arrows, Drawing, Fan, Item, Number, Points, Strips, at_height, closed
+from experiments.located import Located
 from filter.arrays import Array
-from filter.belief import Belief
 from filter.polygon import Polygon
 from filter.team import Team
 from sim.frame import Frame
@@ -86,7 +86,7 @@ class Recording:
         for robot in range(team.robots):
             self._style(team.name(robot), mixed(colour_of(robot), INK, 0.15))  # lighter, for the dark ground
 
-    def add(self, frame: Frame, belief: Belief) -> None:
+    def add(self, frame: Frame, belief: Located) -> None:
         """Record one step."""
         self._step, self._time = self._step + 1, frame.time
         for path, item in self._drawing.items(frame, belief):

@@ -24,9 +24,9 @@ from experiments.command import command
 from experiments.figures import LOOK
 from experiments.metrics import Value
 from experiments.mrclam import numbers_of
+from experiments.mrclam_bounds import Bounds
 from experiments.mrclam_data import Run, read_run
 from experiments.mrclam_frames import frames
-from experiments.mrclam_motion import Bounds
 from experiments.output import output_folder, write_summary
 from experiments.scenarios import from_log
 from experiments.terminal import Counting, print_table

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from experiments.metrics import rounded
+from experiments.mrclam_bounds import Bounds
 from experiments.mrclam_data import Run
 from experiments.mrclam_frames import Readings, truth_at
-from experiments.mrclam_motion import Bounds, Motions
+from experiments.mrclam_motion import Motions
 from filter.angles import wrap
 from filter.arrays import Array, Integers, Mask, read_only
 from filter.measurements import Bearing, Compass, Measurement, Odometry

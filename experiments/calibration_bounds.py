@@ -9,7 +9,7 @@ import numpy as np
 
 from experiments.calibration import LENGTHS, Errors
 from experiments.metrics import Value, rounded
-from experiments.mrclam_motion import Bounds, Knots
+from experiments.mrclam_bounds import Bounds, Knots
 from filter.arrays import Array
 from filter.team import Team
 

@@ -18,6 +18,7 @@ import numpy as np
 from experiments.command import command
 from experiments.comparison_metrics import WIDE_SIZE
 from experiments.metrics import Value
+from experiments.mrclam_bounds import Bounds
 from experiments.mrclam_data import Run, read_tables, run_of
 from experiments.mrclam_ekf import kalman_filter
 from experiments.mrclam_faults import faulty
@@ -25,7 +26,7 @@ from experiments.mrclam_figures import draw_all
 from experiments.mrclam_filter import Followed, team_filter
 from experiments.mrclam_frames import frames
 from experiments.mrclam_metrics import Escaped, Tally, summary_of
-from experiments.mrclam_motion import Bounds, Motions
+from experiments.mrclam_motion import Motions
 from experiments.output import Trajectories, output_folder, write_summary
 from experiments.recording import Recording
 from experiments.scenarios import Scenario

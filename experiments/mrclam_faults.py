@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from experiments.mrclam_bounds import DEGREE
 from experiments.mrclam_data import RobotLog, Tables
-from experiments.mrclam_motion import DEGREE
 from filter.angles import wrap
 from filter.arrays import Array
 from filter.errors import InvalidInput

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from experiments.log_records import Header, InitialSet
+from experiments.mrclam_bounds import DEGREE, Bounds
 from experiments.mrclam_data import DECIMALS, Run
-from experiments.mrclam_motion import DEGREE, Bounds, Motion, Motions
+from experiments.mrclam_motion import Motion, Motions
 from experiments.scenarios import CORNERS, Scenario
 from filter.angles import wrap
 from filter.arrays import Array, Integers, Mask, number

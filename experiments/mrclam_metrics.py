@@ -73,17 +73,14 @@ class Tally:
 
     def add(self, step: Followed, estimate: GaussianBelief) -> Escaped:
         """Take one frame in; return who is outside."""
-        truth = step.frame.truth
         n = len(step.belief.regions)
-        places = np.full((n, 2), np.nan) if truth is None else truth.positions
-        headings = np.full(n, np.nan) if truth is None else truth.headings
+        places, headings = _truth(step.frame, n)
         known = np.isfinite(places).all(axis=1) & np.isfinite(headings)
         outers = [region.outer for region in step.belief.regions]
-        pairs = zip(outers, places, known, strict=True)
-        inside = np.array([not seen or bool(outer.contains(place)) for outer, place, seen in pairs])
+        inside = np.array([bool(outer.contains(place)) for outer, place in zip(outers, places, strict=True)]) | ~known
         turned = step.belief.headings.contains(headings) | ~known
         centroids = np.array([outer.centroid for outer in outers])
-        apart = estimate.mean[:, :2] - places
+        self.resets += step.resets
         self._rows.append(
             {
                 "time": step.frame.time,
@@ -95,13 +92,10 @@ class Tally:
                 "rejected": np.bincount([source.robot for source in step.rejected], minlength=n),
                 "area": [outer.area for outer in outers],
                 "error": np.hypot(*(centroids - places).T),
-                "ekf_error": np.hypot(*apart.T),
-                "ekf_area": ellipse_areas(estimate.position_covariances),
-                "ekf_inside": normalised_squares(np.nan_to_num(apart), estimate.position_covariances) <= WIDE_SIZE,
                 "seconds": step.seconds,
+                **_estimated(estimate, places),
             }
         )
-        self.resets += step.resets
         return Escaped(~inside, ~turned, step.suspended)
 
     def table(self) -> Table:
@@ -122,6 +116,23 @@ class Escaped:
     positions: Mask
     headings: Mask
     suspended: Mask
+
+
+def _truth(frame: Frame, robots: int) -> tuple[Array, Array]:
+    """Return true positions (n, 2) and headings (n,), NaN where nobody knows."""
+    if frame.truth is None:
+        return np.full((robots, 2), np.nan), np.full(robots, np.nan)
+    return frame.truth.positions, frame.truth.headings
+
+
+def _estimated(estimate: GaussianBelief, places: Array) -> dict[str, object]:
+    """Return the Kalman filter's part of a row."""
+    apart, covariances = estimate.mean[:, :2] - places, estimate.position_covariances
+    return {
+        "ekf_error": np.hypot(*apart.T),
+        "ekf_area": ellipse_areas(covariances),
+        "ekf_inside": normalised_squares(np.nan_to_num(apart), covariances) <= WIDE_SIZE,
+    }
 
 
 def measured_by(frame: Frame, robots: int) -> Integers:

@@ -1,4 +1,4 @@
-"""What the commands of a run say about its robots' motion, for intervals of any length, and the bounds declared for it.
+"""What the commands of a run say about its robots' motion, for intervals of any length.
 
 The logs have no wheel encoders, only the speeds that the robots were told, up to a second apart. So the motion between two
 instants is the integral of the commands, a lag earlier, within bounds that depend on the length of the interval: an error of
@@ -14,95 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.mrclam_bounds import Bounds, bound_over
 from experiments.mrclam_data import Run
-from filter.arrays import Array, Floats, finite, number, read_only
+from filter.arrays import Array, Floats, finite, read_only
 from filter.errors import InvalidInput
 
-DEGREE = np.pi / 180
-Knots = tuple[tuple[float, float], ...]
 ANY_DIRECTION = 1.55  # of a record's direction, whose bound must stay below a right angle [rad]
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """The bounds declared for a run: one set for all robots and runs.
-
-    The defaults are what three runs together show, rounded outward (docs/real-robots.md). A bound by knots is the greatest
-    error over an interval as a concave function of its length: straight from (0, 0) through the knots (length [s], bound),
-    and on with the last slope. As such a function is nowhere steeper than before, chained records are never tighter than one.
-
-    Attributes:
-        range: A measured range is off by less than this [m] ...
-        relative_range: ... or by less than this share of the true range, whichever is more.
-        bearing: [rad].
-        measurement_delay: A measurement was made so long before its stamp [s].
-        command_lag: A command is obeyed so long after its stamp [s].
-        speed_scale: Driven path over commanded path.
-        distance: Knots of the error of the driven path [s], [m].
-        turn: Knots of the error of the turn [s], [rad].
-        slip: Knots of the displacement that is none of the path: across the robot's axis, or back and forth [s], [m].
-        reach: The longest path that is possible at all, whatever was commanded: knots [s], [m].
-        hold: A command is obeyed for so long if no other comes [s]; then nothing is known but `reach` and `swing`.
-        swing: The largest turn that is possible at all: knots [s], [rad].
-
-    Raises:
-        InvalidInput: A value is out of its range, or knots are not those of a concave function.
-    """
-
-    range: float = 0.20
-    relative_range: float = 0.15
-    bearing: float = 7.5 * DEGREE
-    measurement_delay: float = 0.04
-    command_lag: float = 0.18
-    speed_scale: float = 0.93
-    distance: Knots = ((0.1, 0.018), (1.0, 0.06))
-    turn: Knots = ((0.1, 7.7 * DEGREE), (1.0, 22 * DEGREE), (10.0, 40 * DEGREE))
-    slip: Knots = ((0.05, 0.01), (1.0, 0.03))
-    reach: Knots = ((0.05, 0.015), (1.0, 0.11))
-    hold: float = 2.0
-    swing: Knots = ((0.1, 12 * DEGREE), (1.0, 60 * DEGREE))
-
-    def __post_init__(self) -> None:
-        for name in ("range", "measurement_delay", "command_lag", "speed_scale", "hold"):
-            number(name, getattr(self, name), 0)
-        number("bearing bound [rad]", self.bearing, 0, np.nextafter(np.pi / 2, 0))
-        number("relative range bound", self.relative_range, 0, np.nextafter(1.0, 0))
-        for name in ("distance", "turn", "slip", "reach", "swing"):
-            _check_knots(name, getattr(self, name))
-
-    def range_columns(self, measured: Floats) -> tuple[Array, Array]:
-        """Return (k,) absolute and relative bounds of measured ranges (k,) for a `Range` record.
-
-        A record's bounds add up; here the larger one counts. The true range is in the union of [r - a, r + a] and
-        [r / (1 + e), r / (1 - e)]: for short ranges the first interval contains the other, for long ones the reverse; in
-        between (1.1 to 1.5 m by default) an absolute bound takes both.
-        """
-        r = np.asarray(measured, dtype=float)
-        below, above = r - r / (1 + self.relative_range), r / (1 - self.relative_range) - r
-        long = below >= self.range
-        return np.where(long, 0.0, np.maximum(self.range, above)), np.where(long, self.relative_range, 0.0)
-
-
-def _check_knots(name: str, knots: Knots) -> None:
-    expected = f"{name}: knots (length, bound) of a concave function that grows from (0, 0)"
-    given = finite(name, knots)
-    if given.ndim != 2 or given.shape[1] != 2:
-        raise InvalidInput(expected, knots)
-    points = np.vstack([np.zeros((1, 2)), given])
-    steps = np.diff(points, axis=0)
-    if (steps[:, 0] <= 0).any() or (steps[:, 1] < 0).any():
-        raise InvalidInput(expected, knots)
-    slopes = steps[:, 1] / steps[:, 0]
-    if (np.diff(slopes) > 0).any():
-        raise InvalidInput(expected, knots)
-
-
-def bound_over(knots: Knots, length: Floats) -> Array:
-    """Return the bounds of intervals of some lengths [s], any shape: the lowest of the straight lines through the knots."""
-    points = np.vstack([np.zeros((1, 2)), np.array(knots)])
-    slopes = np.diff(points[:, 1]) / np.diff(points[:, 0])
-    lines = points[1:, 1] + slopes * (np.asarray(length, dtype=float)[..., None] - points[1:, 0])
-    return np.asarray(lines.min(axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,9 +77,10 @@ class Motions:
     def motion(self, robot: int, start: Floats, time: Floats) -> Motion:
         """Return how one robot, by its number in the team, moved from `start` to `time`, both (k,) [s].
 
-        The path is scaled and within its bound, but no longer than `reach`. The direction of the displacement is an average
-        of the headings on the way, so it is between the least and the greatest turn on the way, plus minus the bound of the
-        turn. A robot that drives backwards on the way, or whose commands have stopped, may go anywhere.
+        The path is scaled and within its bound, but no longer than `reach`. The displacement has the direction of an average
+        of the headings on the way, as long as the robot drives forward (what it rolls back while it stands is slip), so it is
+        between the least and the greatest turn on the way, plus minus the bound of the turn. A robot that is told to drive
+        backwards on the way, or whose commands have stopped, may have gone in any direction.
 
         Raises:
             InvalidInput: An interval ends before it starts.
@@ -170,22 +88,40 @@ class Motions:
         start, time = np.atleast_1d(finite("start [s]", start)), np.atleast_1d(finite("time [s]", time))
         if (time < start).any():
             raise InvalidInput("intervals that end at their start or later", f"one of {float((time - start).min())} s")
-        bounds, commands, length = self.bounds, self._commands[robot], time - start
-        begin, end = start - bounds.command_lag, time - bounds.command_lag
+        commands, length = self._commands[robot], time - start
+        begin, end = start - self.bounds.command_lag, time - self.bounds.command_lag
+        silent = commands.idle(begin, end) > self.bounds.hold
+        obeying = vars(self._obeying(commands, begin, end, length))
+        columns = {name: np.where(silent, column, obeying[name]) for name, column in vars(self._anything(length)).items()}
+        return Motion(**columns)
+
+    def _obeying(self, commands: _Commands, begin: Array, end: Array, length: Array) -> Motion:
+        """Return the motion of a robot that obeys its commands of (k,) intervals."""
         least, greatest = self._path(commands, begin, end, length)
         right, left = commands.turns_within(begin, end)
-        turn, turn_bound = commands.turned(begin, end), bound_over(bounds.turn, length)
-        anywhere = (commands.slowest_within(begin, end) < 0) | (commands.idle(begin, end) > bounds.hold)
-        silent = commands.idle(begin, end) > bounds.hold
-        reach, swing = bound_over(bounds.reach, length), bound_over(bounds.swing, length)
+        backwards = commands.slowest_within(begin, end) < 0
+        turn_bound = bound_over(self.bounds.turn, length)
         return Motion(
-            distance=np.where(silent, 0.0, (least + greatest) / 2),
-            distance_bound=np.where(silent, reach, (greatest - least) / 2),
-            turn=np.where(silent, 0.0, turn),
-            turn_bound=np.where(silent, swing, turn_bound),
-            direction=np.where(anywhere, 0.0, (right + left) / 2),
-            direction_bound=np.where(anywhere, ANY_DIRECTION, np.minimum((left - right) / 2 + turn_bound, ANY_DIRECTION)),
-            slip_bound=bound_over(bounds.slip, length),
+            distance=(least + greatest) / 2,
+            distance_bound=(greatest - least) / 2,
+            turn=commands.turned(begin, end),
+            turn_bound=turn_bound,
+            direction=(right + left) / 2,
+            direction_bound=np.where(backwards, ANY_DIRECTION, np.minimum((left - right) / 2 + turn_bound, ANY_DIRECTION)),
+            slip_bound=bound_over(self.bounds.slip, length),
+        )
+
+    def _anything(self, length: Array) -> Motion:
+        """Return the motion of a robot that does what it likes."""
+        nothing = np.zeros(len(length))
+        return Motion(
+            distance=nothing,
+            distance_bound=bound_over(self.bounds.reach, length),
+            turn=nothing,
+            turn_bound=bound_over(self.bounds.swing, length),
+            direction=nothing,
+            direction_bound=np.full(len(length), ANY_DIRECTION),
+            slip_bound=bound_over(self.bounds.slip, length),
         )
 
     def _path(self, commands: _Commands, begin: Array, end: Array, length: Array) -> tuple[Array, Array]:

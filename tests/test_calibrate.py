@@ -10,9 +10,9 @@ from experiments.calibration import Errors, command_lag, measurement_delay, moti
 from experiments.calibration_bounds import proposed, said, statistics
 from experiments.log import LogReader
 from experiments.moving_team import main as moving_team
+from experiments.mrclam_bounds import Bounds, bound_over
 from experiments.mrclam_data import read_run
 from experiments.mrclam_frames import frames
-from experiments.mrclam_motion import Bounds, bound_over
 from filter.team import Team
 
 MADE = Made(duration=24.0, every=0.4, bearing_bias=0.05, range_scale=1.05, delay=0.08, lag=0.16)

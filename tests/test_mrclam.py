@@ -9,13 +9,14 @@ from recordings import rows_of
 
 from experiments import mrclam
 from experiments.mrclam import Changes, main, numbers_of
+from experiments.mrclam_bounds import Bounds
 from experiments.mrclam_data import read_run
 from experiments.mrclam_ekf import kalman_filter
 from experiments.mrclam_figures import stretches
 from experiments.mrclam_filter import Followed, anywhere, rejecting, team_filter
 from experiments.mrclam_frames import Start, frames
 from experiments.mrclam_metrics import Escaped, Table, Tally, longest, measured_by, summary_of
-from experiments.mrclam_motion import Bounds, Motions
+from experiments.mrclam_motion import Motions
 from experiments.tum import read_trajectory
 from filter.errors import InvalidInput
 from filter.polygon import Polygon
@@ -130,6 +131,17 @@ def test_a_faulty_run_ends_without_a_crash(folder, tmp_path, monkeypatch, fault)
 def test_bad_input_ends_with_two(folder, tmp_path, options, capsys):
     assert main(["--data", str(folder), "--robots", "1,2", *options, "--out", str(tmp_path)]) == 2
     assert "expected" in capsys.readouterr().err
+
+
+def test_a_run_without_truth_is_followed_and_not_judged(tmp_path):
+    own = write_run(tmp_path / "own", Made(duration=1.6))
+    for path in own.glob("Robot*_Groundtruth.dat"):
+        path.unlink()
+    assert main(["--data", str(own), "--robots", "1,2", "--out", str(tmp_path / "out")]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (summary["checks"], summary["frame_checks"], summary["ekf_rmse_m"]) == (0, 0, None)
+    assert summary["frames"] > 0
+    assert not (tmp_path / "out" / "trajectories" / "r0_truth.tum").exists()
 
 
 def test_robots_are_numbers_with_commas():

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from mrclam_folder import BARCODE, CLOCK, HEAD, LANDMARKS, Made, write_run
 
+from experiments.mrclam_bounds import DEGREE, Bounds, bound_over
 from experiments.mrclam_data import read_run, read_tables, run_of
 from experiments.mrclam_faults import FAULTS, faulty
 from experiments.mrclam_frames import Start, frames, truth_at
-from experiments.mrclam_motion import DEGREE, Bounds, Motions, bound_over
+from experiments.mrclam_motion import Motions
 from experiments.scenarios import initial_headings
 from filter.angles import AngularIntervals, wrap
 from filter.errors import InvalidInput

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from filter.errors import InvalidInput
 
 DEGREE = np.pi / 180
 Knots = tuple[tuple[float, float], ...]
+STEP = 1e-4  # of a length, to find a slope
+NEAREST = 0.2  # a robot and what it sees are never nearer, middle to middle [m]
+WIDEST_BEARING = float(np.nextafter(np.pi / 2, 0))  # what a record can say [rad]
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,8 @@ class Bounds:
         reach: The longest path that is possible at all, whatever was commanded: knots [s], [m].
         hold: A command is obeyed for so long if no other comes [s]; then nothing is known but `reach` and `swing`.
         swing: The largest turn that is possible at all: knots [s], [rad].
+        heading_jitter: A belief follows a heading within so much of the true one [rad]: 0, but for `chained` bounds.
+        position_jitter: And a position within so much of the true one [m].
 
     Raises:
         InvalidInput: A value is out of its range, or knots are not those of a concave function.
@@ -51,14 +56,42 @@ class Bounds:
     reach: Knots = ((0.05, 0.015), (1.0, 0.11))
     hold: float = 2.0
     swing: Knots = ((0.1, 12 * DEGREE), (1.0, 60 * DEGREE))
+    heading_jitter: float = 0.0
+    position_jitter: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("range", "measurement_delay", "command_lag", "speed_scale", "hold"):
+        for name in ("range", "measurement_delay", "command_lag", "speed_scale", "hold", "heading_jitter", "position_jitter"):
             number(name, getattr(self, name), 0)
         number("bearing bound [rad]", self.bearing, 0, np.nextafter(np.pi / 2, 0))
         number("relative range bound", self.relative_range, 0, np.nextafter(1.0, 0))
         for name in ("distance", "turn", "slip", "reach", "swing"):
             _check_knots(name, getattr(self, name))
+
+    def chained(self, length: float = 0.5) -> Bounds:
+        """Return bounds for a filter that chains short records: quick jitter once, not in every record.
+
+        Such a filter follows not the true pose but a smoothed one, never farther away than the jitters say. Measurements of it
+        are widened by the jitters (`experiments.mrclam_frames`); so must be what the filter says of the true pose.
+
+        Args:
+            length: The jitter and the drift are those of the knots around this length [s].
+
+        Algorithm:
+            Let e(t) be the error summed up since the start, |e(t) - e(s)| <= jitter + drift |t - s| for all s and t. Then
+            f(t) = min over s of (e(s) + drift |t - s|) + jitter / 2 is within jitter / 2 of e(t), and
+            |f(t) - f(s)| <= drift |t - s| (McShane's extension). For a turn that is all. A position's error is what the true
+            pose is away from the commanded path along the true headings; path and slip together bound it, and both
+            coordinates are smoothed, which takes a factor of sqrt(2).
+        """
+        (turn, spin), (path, speed), (slip, slide) = (_line(knots, length) for knots in (self.turn, self.distance, self.slip))
+        return replace(
+            self,
+            distance=((1.0, 0.0),),
+            turn=((1.0, spin),),
+            slip=((1.0, np.sqrt(2) * (speed + slide)),),
+            heading_jitter=turn / 2,
+            position_jitter=np.sqrt(2) * (path + slip) / 2,
+        )
 
     def range_columns(self, measured: Floats) -> tuple[Array, Array]:
         """Return (k,) absolute and relative bounds of measured ranges (k,) for a `Range` record.
@@ -70,7 +103,18 @@ class Bounds:
         r = np.asarray(measured, dtype=float)
         below, above = r - r / (1 + self.relative_range), r / (1 - self.relative_range) - r
         long = below >= self.range
-        return np.where(long, 0.0, np.maximum(self.range, above)), np.where(long, self.relative_range, 0.0)
+        relative = np.where(long, self.relative_range, 0.0)
+        return np.where(long, 0.0, np.maximum(self.range, above)) + 2 * self.position_jitter * (1 + relative), relative
+
+    def bearing_column(self, measured: Floats) -> Array:
+        """Return (k,) bounds of the bearings of targets at measured ranges (k,) [rad].
+
+        Both ends may be away from where a belief has them by the jitter of positions, which turns the nearer target more.
+        """
+        r = np.asarray(measured, dtype=float)
+        nearest = np.minimum(r - self.range, r / (1 + self.relative_range))
+        aside = np.arcsin(np.clip(2 * self.position_jitter / np.maximum(nearest, NEAREST), 0, 1))
+        return np.minimum(self.bearing + self.heading_jitter + aside, WIDEST_BEARING)
 
 
 def _check_knots(name: str, knots: Knots) -> None:
@@ -93,3 +137,10 @@ def bound_over(knots: Knots, length: Floats) -> Array:
     slopes = np.diff(points[:, 1]) / np.diff(points[:, 0])
     lines = points[1:, 1] + slopes * (np.asarray(length, dtype=float)[..., None] - points[1:, 0])
     return np.asarray(lines.min(axis=-1))
+
+
+def _line(knots: Knots, length: float) -> tuple[float, float]:
+    """Return height at 0 and slope of the straight line through the knots around a length [s]."""
+    low, high = bound_over(knots, length * np.array([1 - STEP, 1 + STEP])).tolist()
+    slope = (high - low) / (2 * STEP * length)
+    return float(bound_over(knots, length)) - slope * length, slope

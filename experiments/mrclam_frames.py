@@ -45,6 +45,12 @@ class Start:
         if self.heading is not None:
             number("start heading bound [rad]", self.heading, 0, np.pi)
 
+    def widened(self, bounds: Bounds) -> Start:
+        """Return what is known of the pose that a belief follows: the jitters of the bounds added."""
+        position = None if self.position is None else self.position + bounds.position_jitter
+        heading = None if self.heading is None else min(self.heading + bounds.heading_jitter, np.pi)
+        return Start(position, heading)
+
 
 def frames(
     run: Run,
@@ -84,7 +90,7 @@ def frames(
     truth = truth_at(run, robots, np.append(start, times))
     return Scenario(
         header=Header(team, start, None),
-        initial=_initial_sets(truth.positions[0], truth.headings[0], known, team, generator),
+        initial=_initial_sets(truth.positions[0], truth.headings[0], known.widened(bounds), team, generator),
         frames=_frames(start, times, measured, Motions(run, robots, bounds), truth),
         count=len(times),
         walls=np.zeros((0, 4)),
@@ -144,8 +150,16 @@ class Readings:
         robot = np.repeat(np.arange(len(robots)), [len(each) for each in tables])
         target = np.array([bodies.get(int(subject), -1) for subject in table[:, 1]], dtype=np.int64)
         time = np.round(table[:, 0] - bounds.measurement_delay, DECIMALS)
-        columns = (time, robot, target, table[:, 2], *bounds.range_columns(table[:, 2]), table[:, 3])
-        every = cls(*columns, np.full(len(time), bounds.bearing), int((target < 0).sum()))
+        columns = (
+            time,
+            robot,
+            target,
+            table[:, 2],
+            *bounds.range_columns(table[:, 2]),
+            table[:, 3],
+            bounds.bearing_column(table[:, 2]),
+        )
+        every = cls(*columns, int((target < 0).sum()))
         order = np.lexsort((robot, time))
         return every._select(order[target[order] >= 0])
 

@@ -78,7 +78,7 @@ def run(options: Options) -> int:
         CorralError: An option, a file of the data, or the output folder cannot be used.
     """
     whole("seed", options.seed)
-    robots, bounds = numbers_of(options.robots), Bounds()
+    robots, bounds = numbers_of(options.robots), Bounds().chained()  # the filters go from frame to frame
     data = data_of(options)
     scenario = frames(
         data, robots, options.start, options.duration, bounds=bounds, generator=np.random.default_rng(options.seed)

@@ -11,9 +11,6 @@ from filter.errors import InvalidInput
 
 DEGREE = np.pi / 180
 Knots = tuple[tuple[float, float], ...]
-STEP = 1e-4  # of a length, to find a slope
-NEAREST = 0.2  # a robot and what it sees are never nearer, middle to middle [m]
-WIDEST_BEARING = float(np.nextafter(np.pi / 2, 0))  # what a record can say [rad]
 
 
 @dataclass(frozen=True)
@@ -67,30 +64,31 @@ class Bounds:
         for name in ("distance", "turn", "slip", "reach", "swing"):
             _check_knots(name, getattr(self, name))
 
-    def chained(self, length: float = 0.5) -> Bounds:
-        """Return bounds for a filter that chains short records: quick jitter once, not in every record.
+    def chained(self, length: float = 1.0) -> Bounds:
+        """Return bounds for a filter that chains short records: motion drifts in each as it does over `length` [s].
 
-        Such a filter follows not the true pose but a smoothed one, never farther away than the jitters say. Measurements of it
-        are widened by the jitters (`experiments.mrclam_frames`); so must be what the filter says of the true pose.
-
-        Args:
-            length: The jitter and the drift are those of the knots around this length [s].
+        Such a filter follows a smoothed pose, never farther from the true one than the jitters. The bounds of measurements
+        are then those of what the smoothed pose would measure; they stay as they are, as they are broken just as often
+        (docs/real-robots.md).
 
         Algorithm:
-            Let e(t) be the error summed up since the start, |e(t) - e(s)| <= jitter + drift |t - s| for all s and t. Then
-            f(t) = min over s of (e(s) + drift |t - s|) + jitter / 2 is within jitter / 2 of e(t), and
-            |f(t) - f(s)| <= drift |t - s| (McShane's extension). For a turn that is all. A position's error is what the true
-            pose is away from the commanded path along the true headings; path and slip together bound it, and both
-            coordinates are smoothed, which takes a factor of sqrt(2).
+            Let e(t) be the error of a turn summed up since the start, |e(t) - e(s)| <= 2 jitter + drift |t - s| for all s
+            and t. Then f(t) = min over s of (e(s) + drift |t - s|) + jitter is within the jitter of e(t), and
+            |f(t) - f(s)| <= drift |t - s| (McShane's extension). The same for the two coordinates of the position, where e is
+            how far the true one is from the commanded path along the true headings; that both are smoothed costs a factor of
+            sqrt(2), which the drifts of path and slip together have in hand (measured).
         """
-        (turn, spin), (path, speed), (slip, slide) = (_line(knots, length) for knots in (self.turn, self.distance, self.slip))
+        distance, turn, slip, reach = (
+            float(bound_over(knots, length)) / length for knots in (self.distance, self.turn, self.slip, self.reach)
+        )
         return replace(
             self,
-            distance=((1.0, 0.0),),
-            turn=((1.0, spin),),
-            slip=((1.0, np.sqrt(2) * (speed + slide)),),
-            heading_jitter=turn / 2,
-            position_jitter=np.sqrt(2) * (path + slip) / 2,
+            distance=((1.0, distance),),
+            turn=((1.0, turn),),
+            slip=((1.0, slip),),
+            reach=((1.0, reach),),
+            heading_jitter=_above(self.turn, turn) / 2,
+            position_jitter=float(np.sqrt(0.5)) * (_above(self.distance, distance) + _above(self.slip, slip)),
         )
 
     def range_columns(self, measured: Floats) -> tuple[Array, Array]:
@@ -103,18 +101,7 @@ class Bounds:
         r = np.asarray(measured, dtype=float)
         below, above = r - r / (1 + self.relative_range), r / (1 - self.relative_range) - r
         long = below >= self.range
-        relative = np.where(long, self.relative_range, 0.0)
-        return np.where(long, 0.0, np.maximum(self.range, above)) + 2 * self.position_jitter * (1 + relative), relative
-
-    def bearing_column(self, measured: Floats) -> Array:
-        """Return (k,) bounds of the bearings of targets at measured ranges (k,) [rad].
-
-        Both ends may be away from where a belief has them by the jitter of positions, which turns the nearer target more.
-        """
-        r = np.asarray(measured, dtype=float)
-        nearest = np.minimum(r - self.range, r / (1 + self.relative_range))
-        aside = np.arcsin(np.clip(2 * self.position_jitter / np.maximum(nearest, NEAREST), 0, 1))
-        return np.minimum(self.bearing + self.heading_jitter + aside, WIDEST_BEARING)
+        return np.where(long, 0.0, np.maximum(self.range, above)), np.where(long, self.relative_range, 0.0)
 
 
 def _check_knots(name: str, knots: Knots) -> None:
@@ -139,8 +126,6 @@ def bound_over(knots: Knots, length: Floats) -> Array:
     return np.asarray(lines.min(axis=-1))
 
 
-def _line(knots: Knots, length: float) -> tuple[float, float]:
-    """Return height at 0 and slope of the straight line through the knots around a length [s]."""
-    low, high = bound_over(knots, length * np.array([1 - STEP, 1 + STEP])).tolist()
-    slope = (high - low) / (2 * STEP * length)
-    return float(bound_over(knots, length)) - slope * length, slope
+def _above(knots: Knots, slope: float) -> float:
+    """Return how far the function through the knots is above a straight line from (0, 0) at most."""
+    return max([0.0, *(bound - slope * length for length, bound in knots)])

@@ -150,16 +150,8 @@ class Readings:
         robot = np.repeat(np.arange(len(robots)), [len(each) for each in tables])
         target = np.array([bodies.get(int(subject), -1) for subject in table[:, 1]], dtype=np.int64)
         time = np.round(table[:, 0] - bounds.measurement_delay, DECIMALS)
-        columns = (
-            time,
-            robot,
-            target,
-            table[:, 2],
-            *bounds.range_columns(table[:, 2]),
-            table[:, 3],
-            bounds.bearing_column(table[:, 2]),
-        )
-        every = cls(*columns, int((target < 0).sum()))
+        columns = (time, robot, target, table[:, 2], *bounds.range_columns(table[:, 2]), table[:, 3])
+        every = cls(*columns, np.full(len(time), bounds.bearing), int((target < 0).sum()))
         order = np.lexsort((robot, time))
         return every._select(order[target[order] >= 0])
 

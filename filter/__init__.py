@@ -1,16 +1,18 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
-Read the modules in this order: errors, arrays, angles, plane, polygon, constraints, lp, scaling, solvers, polytope,
-reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, projector, window,
-windows, belief, regions, rejection, set_membership.
+Read the modules in this order: errors, arrays, compiled, angles, plane, polygon, polygons, constraints, lp, scaling, solvers,
+polytope, reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, budget,
+projector, window, windowed, outlines, windows, region, belief, headings, boxes, regions, rejection, set_membership.
 """
 
 from filter.angles import AngularIntervals
-from filter.belief import Belief, Event, Fallback, Proof, Region, Rejected, Source
+from filter.belief import Belief, Event, Fallback, Proof, Rejected, Source
+from filter.budget import Budget
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.projection import Stop
+from filter.region import Region, Regions
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from filter.window import Window
@@ -19,6 +21,7 @@ __all__ = [
     "AngularIntervals",
     "Bearing",
     "Belief",
+    "Budget",
     "Compass",
     "CorralError",
     "Event",
@@ -32,6 +35,7 @@ __all__ = [
     "Proof",
     "Range",
     "Region",
+    "Regions",
     "Rejected",
     "SetMembershipFilter",
     "Source",

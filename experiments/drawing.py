@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from experiments.located import Located
 from filter.arrays import Array
-from filter.belief import Belief
 from filter.measurements import Bearing, Range
 from filter.polygon import Polygon
 from filter.region import Region
@@ -93,7 +93,7 @@ class Drawing:
     team: Team
     _trails: dict[int, deque[tuple[float, Array]]] = field(default_factory=dict)
 
-    def items(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+    def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         """Yield each entity's path and what it shows at this instant."""
         for robot, region in enumerate(belief.regions):
             yield from self._region(self.team.name(robot), region)
@@ -101,8 +101,9 @@ class Drawing:
             for robot in range(self.team.robots):
                 yield from self._truth(self.team.name(robot), frame.truth, robot)
         for robot, region in enumerate(belief.regions):
-            place = region.outer.centroid if frame.truth is None else frame.truth.positions[robot]
-            yield self._trail(robot, frame.time, place)
+            place = None if frame.truth is None else frame.truth.positions[robot]
+            seen = place is not None and bool(np.isfinite(place).all())
+            yield self._trail(robot, frame.time, place if place is not None and seen else region.outer.centroid)
         yield from rays(frame, belief, self.team)
 
     def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
@@ -115,10 +116,11 @@ class Drawing:
         yield f"/performance_ratio/{name}", Number(region.performance_ratio)
 
     def _truth(self, name: str, truth: Truth, robot: int) -> Iterator[tuple[str, Item]]:
-        place = at_height(truth.positions[robot : robot + 1], "truth")
-        heading = truth.headings[robot]
+        known = slice(robot, robot + int(np.isfinite(truth.positions[robot]).all()))  # nothing is drawn where nobody knows
+        place, heading = at_height(truth.positions[known], "truth"), truth.headings[known]
         yield f"/world/truth/{name}", Points(place)
-        yield f"/world/heading/{name}", Arrows(place, ARROW * np.array([[np.cos(heading), np.sin(heading), 0.0]]))
+        along = np.column_stack([np.cos(heading), np.sin(heading), np.zeros(len(heading))])
+        yield f"/world/heading/{name}", Arrows(place, ARROW * along)
 
     def _trail(self, robot: int, time: float, place: Array) -> tuple[str, Item]:
         trail = self._trails.setdefault(robot, deque())
@@ -139,7 +141,7 @@ class Layers:
 
     team: Team
 
-    def items(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+    def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         """Yield each layer's path and what it shows at this instant, robot by robot."""
         outers = [region.outer for region in belief.regions]
         inners = [region.inner for region in belief.regions if region.inner]
@@ -162,7 +164,7 @@ def _plotted(plot: str, values: Sequence[float]) -> Iterator[tuple[str, Item]]:
         yield f"{plot}/{name}", Number(value)
 
 
-def rays(frame: Frame, belief: Belief, team: Team) -> Iterator[tuple[str, Item]]:
+def rays(frame: Frame, belief: Located, team: Team) -> Iterator[tuple[str, Item]]:
     """Yield, for bearings and for ranges, lines between those that measured and what they measured."""
     places = np.concatenate([[region.outer.centroid for region in belief.regions], team.landmarks])
     for kind in (Bearing, Range):

@@ -56,17 +56,25 @@ class AngularIntervals:
         """Return `count` whole circles: nothing is known."""
         return cls(np.zeros(count), np.full(count, np.pi))
 
+    @classmethod
+    def _of(cls, centre: Array, bound: Array) -> AngularIntervals:
+        """Return arcs that are known to be wrapped and of one length, without a look."""
+        arcs = object.__new__(cls)
+        object.__setattr__(arcs, "centre", read_only(centre))
+        object.__setattr__(arcs, "bound", read_only(bound))
+        return arcs
+
     def __len__(self) -> int:
         return len(self.centre)
 
     def __getitem__(self, index: slice | Integers) -> AngularIntervals:
-        return AngularIntervals(self.centre[index], self.bound[index])
+        return AngularIntervals._of(self.centre[index], self.bound[index])
 
     def replaced(self, index: Integers, arcs: AngularIntervals) -> AngularIntervals:
         """Return the arcs with some of them, by (k,) index, replaced by k others."""
         centre, bound = self.centre.copy(), self.bound.copy()
         centre[index], bound[index] = arcs.centre, arcs.bound
-        return AngularIntervals(centre, bound)
+        return AngularIntervals._of(centre, bound)
 
     @property
     def empty(self) -> Mask:
@@ -84,15 +92,26 @@ class AngularIntervals:
 
     def turned(self, by: Array | float, bound: Array | float = 0.0) -> AngularIntervals:
         """Return the arcs after a turn by `by +- bound` [rad]: {a + t}."""
-        allowance = ROUNDING * (1 + np.abs(by))
-        return AngularIntervals(self.centre + by, np.where(self.empty, self.bound, self.bound + bound + allowance))
+        turn, wider = (np.broadcast_to(np.asarray(each, dtype=float), self.centre.shape) for each in (by, bound))
+        return AngularIntervals._of(*_turned(self.centre, self.bound, turn, wider))
 
     def intersection(self, other: AngularIntervals) -> AngularIntervals:
         """Return the smallest arcs that contain what each pair of arcs has in common.
 
         Two wide arcs can meet at both ends; the result then is their hull inside the narrower one (errs outward).
         """
-        return AngularIntervals(*_intersections(self.centre, self.bound, other.centre, other.bound))
+        return AngularIntervals._of(*_intersections(self.centre, self.bound, other.centre, other.bound))
+
+
+@compiled
+def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> tuple[Array, Array]:
+    centres, bounds = np.empty(len(centre)), np.empty(len(centre))
+    for k in range(len(centre)):
+        turned = centre[k] + by[k]
+        outward = ROUNDING * (1 + abs(by[k]) + abs(turned))
+        centres[k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
+        bounds[k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
+    return centres, bounds
 
 
 @compiled

@@ -30,20 +30,39 @@ def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple
         Vertices (e, 2); the half-plane behind each edge (e,), with -4 to -1 for the box's right, top, left and bottom side;
         and how far outward the vertices can be short of the polygon [m]. No vertex proves that the set is empty.
     """
-    count = len(offsets)
+    vertices, edges = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
+    size, margin = cut_into((vertices, edges), (normals, offsets, np.arange(len(offsets))), lower, upper, room(len(offsets)))
+    return vertices[:size].copy(), edges[:size].copy(), margin
+
+
+Room = tuple[
+    Array, Array, Integers, Integers, Array
+]  # vertices and edges before and after a cut, and how far they are beyond it
+Lines = tuple[Array, Array, Integers]  # normals (r, 2) and offsets (r,), and which of them are meant
+
+
+@compiled
+def room(count: int) -> Room:
+    """Return room to cut a box by so many half-planes."""
+    vertices, edges = np.empty((2, count + 5, 2)), np.empty((2, count + 5), dtype=np.int64)
+    return vertices[0], vertices[1], edges[0], edges[1], np.empty(count + 5)
+
+
+@compiled
+def cut_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array, space: Room) -> tuple[int, float]:
+    """Do what `cut_box` does in room that is there; return how many vertices and edges were written, and the margin."""
+    (vertices, edges), (normals, offsets, rows) = into, lines
+    here, after, behind, behind_after, beyond = space
     middle_x, middle_y = (lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2
     width, height = upper[0] - middle_x, upper[1] - middle_y
     largest = max(abs(middle_x), abs(middle_y)) + max(width, height)
-    here, after = np.empty((count + 5, 2)), np.empty((count + 5, 2))
-    edges, edges_after = np.empty(count + 5, dtype=np.int64), np.empty(count + 5, dtype=np.int64)
-    beyond = np.empty(count + 5)
     here[0], here[1], here[2], here[3] = (width, -height), (width, height), (-width, height), (-width, -height)
-    edges[:4] = np.arange(-4, 0)
+    behind[0], behind[1], behind[2], behind[3] = -4, -3, -2, -1
     size = 4
-    for k in range(count):
-        a, b = normals[k, 0], normals[k, 1]
-        doubt = 8 * EPSILON * (abs(offsets[k]) + (abs(a) + abs(b)) * largest)
-        level = offsets[k] - (a * middle_x + b * middle_y) + doubt
+    for row in rows:
+        a, b = normals[row, 0], normals[row, 1]
+        doubt = 8 * EPSILON * (abs(offsets[row]) + (abs(a) + abs(b)) * largest)
+        level = offsets[row] - (a * middle_x + b * middle_y) + doubt
         some = False
         for m in range(size):
             beyond[m] = a * here[m, 0] + b * here[m, 1] - level
@@ -57,19 +76,18 @@ def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple
                 share = beyond[before] / (beyond[before] - beyond[m])
                 after[kept, 0] = here[before, 0] + share * (here[m, 0] - here[before, 0])
                 after[kept, 1] = here[before, 1] + share * (here[m, 1] - here[before, 1])
-                edges_after[kept] = k if beyond[m] > 0 else edges[before]
+                behind_after[kept] = row if beyond[m] > 0 else behind[before]
                 kept += 1
             if beyond[m] <= 0:
-                after[kept] = here[m]
-                edges_after[kept] = edges[m]
+                after[kept, 0], after[kept, 1] = here[m, 0], here[m, 1]
+                behind_after[kept] = behind[m]
                 kept += 1
-        here, after, edges, edges_after, size = after, here, edges_after, edges, kept
+        here, after, behind, behind_after, size = after, here, behind_after, behind, kept
         if not size:
             break
-    vertices = here[:size].copy()
-    vertices[:, 0] += middle_x
-    vertices[:, 1] += middle_y
-    return vertices, edges[:size].copy(), 4 * EPSILON * (count + 4) * largest
+    for m in range(size):
+        vertices[m, 0], vertices[m, 1], edges[m] = here[m, 0] + middle_x, here[m, 1] + middle_y, behind[m]
+    return size, 4 * EPSILON * (len(rows) + 4) * largest
 
 
 @compiled

@@ -12,7 +12,7 @@ import numpy as np
 from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, Mask, read_only
 from filter.compiled import compiled
-from filter.plane import EPSILON, area_of, cut_box, side_of_box, span_of
+from filter.plane import EPSILON, area_of, cut_into, room, side_of_box, span_of
 from filter.polygon import Polygon
 
 
@@ -162,28 +162,23 @@ def _cut(
     normals: Array, offsets: Array, groups: tuple[Integers, Integers, Integers], lower: Array, upper: Array
 ) -> tuple[tuple[Array, Array, Array, Array, Integers], Integers, Mask]:
     order, begin, end = groups
-    count = len(begin)
-    most = (end - begin).sum() + 5 * count
+    count, most = len(begin), (end - begin).sum() + 5 * len(begin)
     outward, reach, vertices = np.empty((most, 2)), np.empty(most), np.empty((most, 2))
     edges, margin = np.empty(most, dtype=np.int64), np.empty(count)
     first, empty = np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=np.bool_)
+    space, nothing = room((end - begin).max() if count else 0), order[:0]
     for g in range(count):
-        rows = order[begin[g] : end[g]]
-        found, behind, wide = cut_box(normals[rows], offsets[rows], lower[g], upper[g])
-        if not len(found):
-            empty[g] = True
-            found, behind, wide = cut_box(normals[:0], offsets[:0], lower[g], upper[g])
-        at = first[g]
-        for k in range(len(behind)):
-            vertices[at] = found[k]
-            if behind[k] >= 0:
-                edges[at] = rows[behind[k]]
-                outward[at], reach[at] = normals[edges[at]], offsets[edges[at]]
+        at, lines = first[g], (normals, offsets, order[begin[g] : end[g]])
+        size, margin[g] = cut_into((vertices[at:], edges[at:]), lines, lower[g], upper[g], space)
+        if not size:
+            empty[g], lines = True, (normals, offsets, nothing)
+            size, margin[g] = cut_into((vertices[at:], edges[at:]), lines, lower[g], upper[g], space)
+        for k in range(at, at + size):
+            if edges[k] >= 0:
+                outward[k, 0], outward[k, 1], reach[k] = normals[edges[k], 0], normals[edges[k], 1], offsets[edges[k]]
             else:
-                edges[at] = behind[k]
-                outward[at, 0], outward[at, 1], reach[at] = side_of_box(behind[k], lower[g], upper[g])
-            at += 1
-        margin[g], first[g + 1] = wide, at
+                outward[k, 0], outward[k, 1], reach[k] = side_of_box(edges[k], lower[g], upper[g])
+        first[g + 1] = at + size
     end_of_all = first[count]
     outlines = outward[:end_of_all].copy(), reach[:end_of_all].copy(), vertices[:end_of_all].copy(), margin, first
     return outlines, edges[:end_of_all].copy(), empty

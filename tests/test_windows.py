@@ -94,6 +94,12 @@ def test_every_offset_is_proved_by_its_rows_in_exact_arithmetic(seed):
                     direction[body, m] = direction.get((body, m), Fraction(0)) - less
         for (body, m), left in direction.items():
             bound += max(left * Fraction(polytope.lower[body, m]), left * Fraction(polytope.upper[body, m]))
+        itself = [
+            row
+            for row in rows.rows_of(-1, robot).tolist()
+            if (*rows.normal[row], rows.offset[row]) == (*found.outer.normals[edge], found.outer.offsets[edge])
+        ]
+        assert (found.behind[edge] in itself) if itself else found.behind[edge] < 0
         assert bound <= Fraction(found.outer.offsets[edge])
         assert found.outer.offsets[edge] - float(bound) < 1e-7
 

@@ -25,7 +25,7 @@ PLAIN = {
     "typing",
 }
 # What some modules of the filter may use besides.
-COMPILED = ("plane", "simplex", "shadow", "window", "windows")
+COMPILED = ("plane", "slices", "simplex", "shadow", "window", "windows")
 AND = {"solvers": {"piqp", "qpsolvers", "highspy"}} | {name: {"numba"} for name in COMPILED}
 MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
 ORDER = [
@@ -57,6 +57,14 @@ ORDER = [
     "regions",
     "rejection",
     "set_membership",
+    "slices",
+    "sightings",
+    "hypotheses",
+    "voting",
+    "trust",
+    "robust_belief",
+    "merging",
+    "robust",
     "ekf",
     "watch",
 ]

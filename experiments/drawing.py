@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from experiments.located import Located
 from filter.arrays import Array
-from filter.belief import Belief, Region
+from filter.belief import Region
 from filter.measurements import Bearing, Range
 from filter.polygon import Polygon
 from filter.team import Team
@@ -90,7 +91,7 @@ class Drawing:
     team: Team
     _trails: dict[int, deque[tuple[float, Array]]] = field(default_factory=dict)
 
-    def items(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+    def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         """Yield each entity's path and what it shows at this instant."""
         for robot, region in enumerate(belief.regions):
             yield from self._region(self.team.name(robot), region)
@@ -98,8 +99,9 @@ class Drawing:
             for robot in range(self.team.robots):
                 yield from self._truth(self.team.name(robot), frame.truth, robot)
         for robot, region in enumerate(belief.regions):
-            place = region.outer.centroid if frame.truth is None else frame.truth.positions[robot]
-            yield self._trail(robot, frame.time, place)
+            place = None if frame.truth is None else frame.truth.positions[robot]
+            seen = place is not None and bool(np.isfinite(place).all())
+            yield self._trail(robot, frame.time, place if place is not None and seen else region.outer.centroid)
         yield from self._rays(frame, belief)
 
     def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
@@ -112,10 +114,11 @@ class Drawing:
         yield f"/performance_ratio/{name}", Number(region.performance_ratio)
 
     def _truth(self, name: str, truth: Truth, robot: int) -> Iterator[tuple[str, Item]]:
-        place = at_height(truth.positions[robot : robot + 1], "truth")
-        heading = truth.headings[robot]
+        known = slice(robot, robot + int(np.isfinite(truth.positions[robot]).all()))  # nothing is drawn where nobody knows
+        place, heading = at_height(truth.positions[known], "truth"), truth.headings[known]
         yield f"/world/truth/{name}", Points(place)
-        yield f"/world/heading/{name}", Arrows(place, ARROW * np.array([[np.cos(heading), np.sin(heading), 0.0]]))
+        along = np.column_stack([np.cos(heading), np.sin(heading), np.zeros(len(heading))])
+        yield f"/world/heading/{name}", Arrows(place, ARROW * along)
 
     def _trail(self, robot: int, time: float, place: Array) -> tuple[str, Item]:
         trail = self._trails.setdefault(robot, deque())
@@ -125,7 +128,7 @@ class Drawing:
         line = at_height(np.array([point for _, point in trail]), "trail")
         return f"/world/trail/{self.team.name(robot)}", Strips((line,) if len(line) > 1 else ())
 
-    def _rays(self, frame: Frame, belief: Belief) -> Iterator[tuple[str, Item]]:
+    def _rays(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         places = np.concatenate([[region.outer.centroid for region in belief.regions], self.team.landmarks])
         for kind in (Bearing, Range):
             records = [record for record in frame.measurements if isinstance(record, kind)]

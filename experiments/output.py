@@ -10,9 +10,9 @@ from types import TracebackType
 
 import numpy as np
 
+from experiments.located import Located
 from experiments.metrics import Value
 from filter.arrays import Array
-from filter.belief import Belief
 from filter.errors import InvalidInput
 from filter.team import Team
 from sim.frame import Frame
@@ -60,15 +60,22 @@ class Trajectories:
         self._lines: dict[str, list[str]] = defaultdict(list)
         self._frames = 0
 
-    def write(self, frame: Frame, belief: Belief) -> None:
+    def write(self, frame: Frame, belief: Located) -> None:
         """Append one frame."""
         centroids = np.array([region.outer.centroid for region in belief.regions])
-        self._append("filter", frame.time, centroids, belief.headings.centre)
+        self.estimate("filter", frame.time, centroids, belief.headings.centre)
         if frame.truth is not None:
-            self._append("truth", frame.time, frame.truth.positions, frame.truth.headings)
+            self.estimate("truth", frame.time, frame.truth.positions, frame.truth.headings)
         self._frames += 1
         if self._frames % FRAMES_KEPT == 0:
             self.close()
+
+    def estimate(self, kind: str, time: float, positions: Array, headings: Array) -> None:
+        """Append poses (n, 2) [m] and (n,) [rad] of one time to `r0_<kind>.tum` and so on; those with NaN are left out."""
+        for robot, (position, heading) in enumerate(zip(positions, headings, strict=True)):
+            if np.isfinite(position).all() and np.isfinite(heading):
+                line = tum_line(time, position, float(heading))
+                self._lines[f"{self._team.name(robot)}_{kind}.tum"].append(line)
 
     def close(self) -> None:
         """Write what is left."""
@@ -76,11 +83,6 @@ class Trajectories:
             with (self._folder / name).open("a", encoding="utf-8", newline="\n") as file:
                 file.writelines(lines)
         self._lines.clear()
-
-    def _append(self, kind: str, time: float, positions: Array, headings: Array) -> None:
-        for robot, (position, heading) in enumerate(zip(positions, headings, strict=True)):
-            line = tum_line(time, position, float(heading))
-            self._lines[f"{self._team.name(robot)}_{kind}.tum"].append(line)
 
     def __enter__(self) -> Trajectories:
         return self

@@ -6,7 +6,7 @@ Rows are kept for a second of the run's time and sent as columns, which is ten t
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -18,9 +18,9 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from experiments.colours import Colour, colour_of, mixed
-from experiments.drawing import LABEL, Arrows, Drawing, Fan, Item, Number, Points, Strips, closed
+from experiments.drawing import LABEL, Arrows, Drawing, Fan, Item, Number, Points, Strips, at_height, closed
+from experiments.located import Located
 from filter.arrays import Array
-from filter.belief import Belief
 from filter.polygon import Polygon
 from filter.team import Team
 from sim.frame import Frame
@@ -86,7 +86,7 @@ class Recording:
         for robot in range(team.robots):
             self._style(team.name(robot), mixed(colour_of(robot), INK, 0.15))  # lighter, for the dark ground
 
-    def add(self, frame: Frame, belief: Belief) -> None:
+    def add(self, frame: Frame, belief: Located) -> None:
         """Record one step."""
         self._step, self._time = self._step + 1, frame.time
         for path, item in self._drawing.items(frame, belief):
@@ -113,6 +113,19 @@ class Recording:
         path = "/world/impossible"
         self._style_once(path, rr.Points3D.from_fields(colors=ALARM, radii=ui_points(8), point_shading="flat"))
         self._put(path, Points(np.array([(*point, ELLIPSE_HEIGHT) for point in points]).reshape(-1, 3)))
+
+    def suspended(self, outlines: Mapping[int, Polygon]) -> None:
+        """Outline in red the regions (by robot) that are not guaranteed at the last step; the others lose their outline."""
+        for robot in range(self._drawing.team.robots):
+            path = f"/world/suspended/{self._drawing.team.name(robot)}"
+            self._style_once(path, rr.LineStrips3D.from_fields(colors=ALARM, radii=ui_points(2.4)))
+            self._put(path, Strips((closed(outlines[robot], "estimate"),) if robot in outlines else ()))
+
+    def rejected(self, lines: Sequence[Array]) -> None:
+        """Draw in red (2, 2) lines from robots to what they measured, of measurements rejected at the last step [m]."""
+        path = "/world/rays/rejected"
+        self._style_once(path, rr.LineStrips3D.from_fields(colors=ALARM, radii=ui_points(2.0)))
+        self._put(path, Strips(tuple(at_height(line, "estimate") for line in lines)))
 
     def event(self, text: str, level: str = "INFO") -> None:
         """Enter an event at the time of the last step; level is INFO, WARN or ERROR."""

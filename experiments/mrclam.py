@@ -1,0 +1,214 @@
+"""Real robots: a run of the UTIAS multi-robot data set (MRCLAM) through the filter and through an extended Kalman filter.
+
+Run `python -m experiments.mrclam --help`. The exit code is the guarantee: 0 only if no truth was outside what the filter
+claimed while it said that its guarantee was in force; 1 otherwise; 2 for bad input. Bounds that are declared for real
+robots break now and then, so that a truth can be outside while the filter says that its guarantee is suspended: this is
+counted, too, in `escapes`, but it breaks no promise. What is assumed and what came out is in docs/real-robots.md.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from experiments.command import command
+from experiments.comparison_metrics import WIDE_SIZE
+from experiments.metrics import Value
+from experiments.mrclam_bounds import Bounds
+from experiments.mrclam_data import Run, read_tables, run_of
+from experiments.mrclam_ekf import kalman_filter
+from experiments.mrclam_faults import faulty
+from experiments.mrclam_figures import draw_all
+from experiments.mrclam_filter import Followed, team_filter
+from experiments.mrclam_frames import frames
+from experiments.mrclam_metrics import Escaped, Tally, summary_of
+from experiments.mrclam_motion import Motions
+from experiments.output import Trajectories, output_folder, write_summary
+from experiments.recording import Recording
+from experiments.scenarios import Scenario
+from experiments.terminal import StepProgress, print_table, tell
+from filter.arrays import Array, Mask, whole
+from filter.ekf import GaussianBelief
+from filter.errors import InvalidInput
+from filter.team import Team
+
+RECORD_EVERY = 0.25  # what happens is recorded at once, the rest so often [s]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Follow the real robots of a run of the MRCLAM data set, and compare with an extended Kalman filter.
+
+    Exit code 0 only if no position and no heading was ever outside what the filter claimed while it said that its guarantee
+    was in force; 1 otherwise; 2 for bad input. Escapes while the guarantee was suspended are counted as escapes all the same.
+    """
+
+    data: Path
+    """Folder of a run, as MRCLAM_Dataset6."""
+    robots: str = "1,2,3,4,5"
+    """Which robots take part, by their numbers in the files."""
+    start: float = 0.0
+    """When to start, since the first command or measurement [s]."""
+    duration: float | None = None
+    """How long at most [s]; to the end if not given."""
+    fault: str = "none"
+    """Put a fault into a copy of the data: silent, biased, swapped, duplicated or shifted."""
+    fault_robot: int = 1
+    """Whose fault it is, by its number in the files."""
+    seed: int = 0
+    """Where in its initial set each robot starts."""
+    out: Path = Path("runs/mrclam")
+    """Folder for summary, figures, trajectories and recording."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the experiment with command-line arguments; return the exit code."""
+    stopped = "the recording and the trajectories end here, there is no summary"
+    return command("mrclam", Options, run, arguments, stopped=stopped)
+
+
+def run(options: Options) -> int:
+    """Run the experiment; return the exit code.
+
+    Raises:
+        CorralError: An option, a file of the data, or the output folder cannot be used.
+    """
+    whole("seed", options.seed)
+    robots, bounds = numbers_of(options.robots), Bounds()
+    data = data_of(options)
+    scenario = frames(
+        data, robots, options.start, options.duration, bounds=bounds, generator=np.random.default_rng(options.seed)
+    )
+    folder = output_folder(options.out)
+    following = Following(scenario, folder, f"mrclam_{data.name}_{options.fault}")
+    following.run(team_filter(scenario, Motions(data, robots, bounds)))
+    table = following.tally.table()
+    found = summary_of(table, options.start, following.tally.resets)
+    summary = header_of(options, data, robots) | found
+    write_summary(folder, summary)
+    draw_all(folder, table, scenario.team)
+    print_table(f"mrclam, in {folder}", summary)
+    broken = int(str(found["frame_escapes_in_force"])) + int(str(found["frame_heading_escapes_in_force"]))
+    if broken:
+        tell("a truth was outside while the guarantee was said to be in force")
+    return int(broken > 0)
+
+
+def numbers_of(robots: str) -> tuple[int, ...]:
+    """Return the robots' numbers of a list with commas.
+
+    Raises:
+        InvalidInput: It is none.
+    """
+    try:
+        return tuple(int(word) for word in robots.split(","))
+    except ValueError:
+        raise InvalidInput("robots as numbers with commas, 1,2,3", repr(robots)) from None
+
+
+def data_of(options: Options) -> Run:
+    """Return the run, with its fault if there shall be one.
+
+    Raises:
+        InvalidInput: A file is missing or damaged, or there is no such fault or robot.
+    """
+    tables = read_tables(options.data)
+    return run_of(tables if options.fault == "none" else faulty(tables, options.fault, options.fault_robot))
+
+
+def header_of(options: Options, data: Run, robots: Sequence[int]) -> dict[str, Value]:
+    """Return what the summary says of the data."""
+    return {
+        "data": data.name,
+        "robots": len(robots),
+        "robot_numbers": options.robots,
+        "start_s": options.start,
+        "seed": options.seed,
+        "fault": options.fault if options.fault == "none" else f"{options.fault}, robot {options.fault_robot}",
+        **{f"dropped_{name}": count for name, count in asdict(data.dropped).items()},
+    }
+
+
+class Following:
+    """Both filters follow a scenario; everything that shall be kept is written as it goes on."""
+
+    def __init__(self, scenario: Scenario, folder: Path, recording_id: str) -> None:
+        self.tally = Tally(scenario.header.start)
+        self._scenario = scenario
+        self._trajectories = Trajectories(folder, scenario.team)
+        self._recording = Recording(
+            folder / "mrclam.rrd", scenario.team, recording_id=recording_id, walls=scenario.walls, wall_height=0.0
+        )
+        self._changes = Changes(scenario.team)
+        self._recorded = -np.inf
+
+    def run(self, followed: Iterator[Followed]) -> None:
+        """Follow to the end.
+
+        Raises:
+            CorralError: A frame cannot be used.
+        """
+        estimate, step_ekf = kalman_filter(self._scenario)
+        with self._recording, self._trajectories, StepProgress(self._scenario.count) as progress:
+            for step in followed:
+                estimate = step_ekf(estimate, step.frame)
+                self._keep(step, estimate)
+                progress.advance(step.frame.time, step.seconds)
+
+    def _keep(self, step: Followed, estimate: GaussianBelief) -> None:
+        escaped = self.tally.add(step, estimate)
+        self._trajectories.write(step.frame, step.belief)
+        self._trajectories.estimate("ekf", step.frame.time, estimate.mean[:, :2], estimate.mean[:, 2])
+        words = self._changes.words(step, escaped)
+        if words or step.frame.time - self._recorded >= RECORD_EVERY:
+            self._record(step, estimate)
+        for text, level in words:
+            self._recording.event(text, level)
+
+    def _record(self, step: Followed, estimate: GaussianBelief) -> None:
+        self._recorded = step.frame.time
+        outers = [region.outer for region in step.belief.regions]
+        self._recording.add(step.frame, step.belief)
+        self._recording.ellipses(estimate.mean[:, :2], estimate.position_covariances, WIDE_SIZE)
+        self._recording.suspended({int(robot): outers[robot] for robot in np.flatnonzero(step.suspended)})
+        self._recording.rejected(rejected_lines(step, self._scenario.team))
+
+
+def rejected_lines(step: Followed, team: Team) -> list[Array]:
+    """Return (2, 2) lines from each robot to what it measured, of the measurements rejected at this frame [m]."""
+    places = np.concatenate([[region.outer.centroid for region in step.belief.regions], team.landmarks])
+    pairs = {(source.robot, source.target) for source in step.rejected if source.target is not None}
+    return [places[list(pair)] for pair in sorted(pairs)]
+
+
+@dataclass
+class Changes:
+    """Tells what happens, and when a lasting thing begins and ends.
+
+    Attributes:
+        team: Whose run it is.
+    """
+
+    team: Team
+    _before: dict[str, set[int]] = field(default_factory=dict)
+
+    def words(self, step: Followed, escaped: Escaped) -> list[tuple[str, str]]:
+        """Return in words what is new at this frame, each with its level."""
+        words = [(event, "WARN") for event in step.events]
+        words += self._turns("guarantee suspended", "guarantee in force again", step.suspended, "WARN")
+        words += self._turns("truth outside the polygon", "truth inside again", escaped.positions, "ERROR")
+        return words + self._turns("heading outside its interval", "heading inside again", escaped.headings, "ERROR")
+
+    def _turns(self, begins: str, ends: str, holds: Mask, level: str) -> list[tuple[str, str]]:
+        now, before = set(np.flatnonzero(holds).tolist()), self._before.get(begins, set())
+        self._before[begins] = now
+        new = [(f"{self.team.name(robot)}: {begins}", level) for robot in sorted(now - before)]
+        return new + [(f"{self.team.name(robot)}: {ends}", "INFO") for robot in sorted(before - now)]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,86 @@
+"""Faults that are put into a copy of a run's tables, to see who notices. Times are since the first stamp of any log [s]."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from experiments.mrclam_bounds import DEGREE
+from experiments.mrclam_data import RobotLog, Tables
+from filter.angles import wrap
+from filter.arrays import Array
+from filter.errors import InvalidInput
+
+Fault = Callable[[Tables, int], Tables]
+
+
+def silent(tables: Tables, robot: int, start: float = 300.0, duration: float = 60.0) -> Tables:
+    """Return the tables without the robot's commands and measurements for a while."""
+    begin = _begin(tables) + start
+
+    def heard(table: Array) -> Array:
+        return table[(table[:, 0] < begin) | (table[:, 0] > begin + duration)]
+
+    log = tables.logs[robot]
+    return _with(tables, robot, replace(log, commands=heard(log.commands), measurements=heard(log.measurements)))
+
+
+def biased(tables: Tables, robot: int, start: float = 300.0, bias: float = 20 * DEGREE) -> Tables:
+    """Return the tables with a constant error of the robot's bearings [rad] from some time on: its camera was knocked."""
+    log = tables.logs[robot]
+    measurements = log.measurements.copy()
+    late = measurements[:, 0] >= _begin(tables) + start
+    measurements[late, 3] = wrap(measurements[late, 3] + bias)
+    return _with(tables, robot, replace(log, measurements=measurements))
+
+
+def swapped(tables: Tables, robot: int) -> Tables:
+    """Return the tables with all barcodes of the robot and of the next one in the team swapped."""
+    robots = sorted(tables.logs)
+    other = robots[(robots.index(robot) + 1) % len(robots)]
+    names = {robot: other, other: robot}
+    return replace(tables, barcodes={barcode: names.get(subject, subject) for barcode, subject in tables.barcodes.items()})
+
+
+def duplicated(tables: Tables, robot: int) -> Tables:
+    """Return the tables with the robot's log written twice, one after the other."""
+    log = tables.logs[robot]
+    commands, measurements = (np.concatenate([table, table]) for table in (log.commands, log.measurements))
+    return _with(tables, robot, replace(log, commands=commands, measurements=measurements))
+
+
+def shifted(tables: Tables, robot: int, by: float = 0.5) -> Tables:
+    """Return the tables with the robot's clock wrong by so much [s]: all its stamps are late. The truth keeps its clock."""
+    log = tables.logs[robot]
+
+    def late(table: Array) -> Array:
+        return np.column_stack([table[:, 0] + by, table[:, 1:]])
+
+    return _with(tables, robot, replace(log, commands=late(log.commands), measurements=late(log.measurements)))
+
+
+FAULTS: Mapping[str, Fault] = {fault.__name__: fault for fault in (silent, biased, swapped, duplicated, shifted)}
+
+
+def faulty(tables: Tables, fault: str, robot: int) -> Tables:
+    """Return the tables with a fault of one robot, by its number in the files.
+
+    Raises:
+        InvalidInput: There is no such fault, or no such robot.
+    """
+    if fault not in FAULTS:
+        raise InvalidInput(f"a fault among {', '.join(FAULTS)}", repr(fault))
+    if robot not in tables.logs:
+        raise InvalidInput(f"a robot among {sorted(tables.logs)}", robot)
+    return FAULTS[fault](tables, robot)
+
+
+def _begin(tables: Tables) -> float:
+    stamped = [table for log in tables.logs.values() for table in (log.commands, log.measurements) if len(table)]
+    return min((float(table[:, 0].min()) for table in stamped), default=0.0)
+
+
+def _with(tables: Tables, robot: int, log: RobotLog) -> Tables:
+    return replace(tables, logs={**tables.logs, robot: log})

@@ -1,0 +1,87 @@
+"""The one place that decides which filter follows real robots, and what an experiment needs to know of it at every step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from experiments.located import Located
+from experiments.mrclam_motion import Motions
+from experiments.scenarios import Scenario, initial_headings
+from filter.arrays import Mask
+from filter.belief import Belief, Rejected, Source
+from filter.errors import Inconsistent
+from filter.polygon import Polygon
+from filter.set_membership import SetMembershipFilter
+from filter.team import Team
+from sim.frame import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """What the filter knows at one frame.
+
+    Attributes:
+        frame: What it was given.
+        belief: What it knows now.
+        suspended: (n,) True for a robot whose region is not guaranteed now.
+        rejected: The measurements that were turned away at this frame.
+        resets: How many robots were started over at this frame.
+        events: What happened, in words.
+        seconds: How long the filter took.
+    """
+
+    frame: Frame
+    belief: Located
+    suspended: Mask
+    rejected: tuple[Source, ...]
+    resets: int
+    events: tuple[str, ...]
+    seconds: float
+
+
+def team_filter(scenario: Scenario, motions: Motions) -> Iterator[Followed]:
+    """Follow the scenario with the filter for real robots, frame by frame.
+
+    Args:
+        scenario: The run.
+        motions: The robots' motion over any interval, for a filter that keeps anchors in the past.
+    """
+    del motions  # the plain filter goes from frame to frame
+    return rejecting(scenario)
+
+
+def rejecting(scenario: Scenario) -> Iterator[Followed]:
+    """Follow with the plain filter that rejects what is proved to disagree, and starts over where that is not enough.
+
+    A measurement that had to be rejected proves that some bound is broken; which, nobody knows, so that from then on
+    nothing is guaranteed until the team has been started over from the arena.
+    """
+    plain = SetMembershipFilter(scenario.team, policy="reject")
+    positions = [known.polygon() for known in scenario.initial]
+    belief = plain.start(scenario.header.start, positions, initial_headings(scenario.initial))
+    suspended = np.zeros(scenario.team.robots, dtype=bool)
+    for frame in scenario.frames:
+        begin = perf_counter()
+        belief, conflict = _stepped(plain, belief, frame)
+        rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
+        suspended = np.full(len(suspended), (bool(rejected) or bool(suspended.any())) and conflict is None)
+        words = (*map(str, belief.events), *([f"started over: {conflict}"] if conflict else []))
+        resets = len(suspended) if conflict else 0
+        yield Followed(frame, belief, suspended, rejected, resets, words, perf_counter() - begin)
+
+
+def _stepped(plain: SetMembershipFilter, belief: Belief, frame: Frame) -> tuple[Belief, Inconsistent | None]:
+    """Return the next belief; if all fails that of robots that can be anywhere, and why."""
+    try:
+        return plain.update(plain.predict(belief, frame.time, frame.odometry), frame.measurements), None
+    except Inconsistent as conflict:
+        return plain.start(frame.time, anywhere(plain.team)), conflict
+
+
+def anywhere(team: Team) -> list[Polygon]:
+    """Return the arena for each robot."""
+    return [Polygon.box(*team.arena)] * team.robots

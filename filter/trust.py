@@ -87,15 +87,16 @@ class Trust:
             last[robot, target] = time
             seen[robot, target] += weight
             struck[robot, target] += weight * contradicted
-        camera, identity = _guilty(seen, struck, self.camera.copy(), self.identity.copy(), rules)
+        camera, identity = _guilty(seen, struck, self.camera, self.identity, rules)
         return Trust(time, last, seen, struck, camera, identity)
 
 
 def _guilty(seen: Array, struck: Array, camera: Mask, identity: Mask, rules: Suspicion) -> tuple[Mask, Mask]:
     """Return which sensors are put aside from now on: first those are trusted again that agree, then the guiltiest go."""
-    for sensors, axis in ((camera, 1), (identity, 0)):
-        strikes = struck.sum(axis=axis)
-        sensors &= (strikes >= rules.mercy) | (strikes >= rules.share / 2 * seen.sum(axis=axis))
+    camera, identity = (
+        sensors & ((struck.sum(axis) >= rules.mercy) | (struck.sum(axis) >= rules.share / 2 * seen.sum(axis)))
+        for sensors, axis in ((camera, 1), (identity, 0))
+    )
     while True:
         # What is laid to the charge of one that is put aside does not count against the other.
         counts = ~(camera[:, None] | identity)

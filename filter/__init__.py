@@ -2,17 +2,23 @@
 
 Read the modules in this order: errors, arrays, angles, plane, polygon, constraints, lp, scaling, solvers, polytope,
 reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, projector, window,
-windows, belief, regions, rejection, set_membership.
+windows, belief, regions, rejection, set_membership; slices, sightings, hypotheses, voting, trust, robust_belief, merging,
+robust, lag.
 """
 
 from filter.angles import AngularIntervals
 from filter.belief import Belief, Event, Fallback, Proof, Region, Rejected, Source
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
+from filter.lag import FixedLag, Lagged
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.projection import Stop
+from filter.robust import RobustFilter
+from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
+from filter.trust import Suspicion
+from filter.voting import Rules
 from filter.window import Window
 
 __all__ = [
@@ -21,10 +27,14 @@ __all__ = [
     "Belief",
     "Compass",
     "CorralError",
+    "Disagreement",
+    "Distrusted",
     "Event",
     "Fallback",
+    "FixedLag",
     "Inconsistent",
     "InvalidInput",
+    "Lagged",
     "Measurement",
     "Odometry",
     "OutOfOrder",
@@ -33,9 +43,14 @@ __all__ = [
     "Range",
     "Region",
     "Rejected",
+    "Restarted",
+    "RobustBelief",
+    "RobustFilter",
+    "Rules",
     "SetMembershipFilter",
     "Source",
     "Stop",
+    "Suspicion",
     "Team",
     "Unbounded",
     "Window",

@@ -65,6 +65,7 @@ ORDER = [
     "robust_belief",
     "merging",
     "robust",
+    "lag",
     "ekf",
     "watch",
 ]

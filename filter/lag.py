@@ -99,13 +99,13 @@ class FixedLag(Generic[AnyBelief]):
 
         Args:
             lagged: Stays as it is.
-            measurements: Records; the newest of all that have come says what time it is.
+            measurements: Records; how late they are is counted from the newest that came before.
 
         Raises:
             CorralError: What the inner filter raises; nothing has changed then.
         """
         newest = lagged.belief.time
-        oldest = max(lagged.steps[0].belief.time, max([newest, *(record.time for record in measurements)]) - self.lag)
+        oldest = max(lagged.steps[0].belief.time, newest - self.lag)
         kept = [record for record in measurements if record.time >= oldest]
         refused = _count(measurements) - _count(kept)
         late = _count([record for record in kept if record.time < newest])

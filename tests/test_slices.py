@@ -89,7 +89,9 @@ def test_seeing_a_place_or_a_body_keeps_the_true_pose(seed):
     way, distance = np.arctan2(*(place - position)[::-1]), np.hypot(*(place - position))
     bound, slack = rng.choice([1e-9, 0.1, 1.4, np.pi]), rng.choice([0.0, 0.2])
     side, end = rng.choice([-1, 0, 1]), rng.choice([0.0, 1.0])
-    sector = np.array([way - heading + side * bound * (1 - 1e-9), bound, max(0, distance - slack * end), distance + slack + 1e-9])
+    sector = np.array(
+        [way - heading + side * bound * (1 - 1e-9), bound, max(0, distance - slack * end), distance + slack + 1e-9]
+    )
     low, high, reach = slices_around(rng, position, heading)
     kept = [column.copy() for column in (low, high, reach)]
     left = see_place(*kept, place, sector)

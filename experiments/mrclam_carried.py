@@ -117,13 +117,13 @@ class Carried:
 
 def _with_silence(table: Array, hold: float) -> Array:
     """Return commands (c, 4) with a column that is 1 where they have stopped, after a robot has held one for so long [s]."""
-    rows = [np.array([-FAR, 0.0, 0.0, 0.0]), *np.column_stack([table, np.zeros(len(table))])]
-    for stamp, following in zip(table[:, 0], np.append(table[1:, 0], FAR), strict=True):
-        if following - stamp > hold:
-            rows.append(np.array([stamp + hold, 0.0, 0.0, 1.0]))
-    rows.append(np.array([FAR, 0.0, 0.0, 0.0]))
-    stacked = np.array(rows)
-    return stacked[np.argsort(stacked[:, 0], kind="stable")]
+    ends = np.append(table[1:, 0], FAR)
+    stops = table[ends - table[:, 0] > hold, 0] + hold
+    standing, silent = np.zeros((len(table), 1)), np.zeros((len(stops), 4))
+    silent[:, 0], silent[:, 3] = stops, 1.0
+    edges = np.array([[-FAR, 0.0, 0.0, 0.0], [FAR, 0.0, 0.0, 0.0]])
+    rows = np.concatenate([edges[:1], np.hstack([table, standing]), silent, edges[1:]])
+    return rows[np.argsort(rows[:, 0], kind="stable")]
 
 
 def _integrals(table: Array) -> Array:
@@ -135,5 +135,8 @@ def _integrals(table: Array) -> Array:
 
 def _between(stamps: Array, integrals: Array, start: float, time: float) -> Array:
     """Return (5,) the integrals from one time to another."""
-    ends = np.array([[np.interp(when, stamps, column) for column in integrals.T] for when in (start, time)])
-    return np.asarray(ends[1] - ends[0])
+    ends = np.array([start, time])
+    last = np.searchsorted(stamps, ends, side="right") - 1
+    share = (ends - stamps[last]) / (stamps[last + 1] - stamps[last])
+    at_ends = integrals[last] + share[:, None] * (integrals[last + 1] - integrals[last])
+    return np.asarray(at_ends[1] - at_ends[0])

@@ -37,23 +37,25 @@ HAIR = 1e-6  # of a cell
 
 
 @njit(cache=True, nogil=True)
-def sector_support(centre: float, bound: float, nearest: float, farthest: float, direction: Array) -> float:
-    """Return the support of the trapezoid around a sector, or of the disc where that reaches less far [m].
+def sector_supports(centre: float, bound: float, nearest: float, farthest: float) -> Array:
+    """Return (COUNT,) supports of the trapezoid around a sector, or of the disc where that reaches less far [m].
 
     Args:
         centre: Middle direction of the sector [rad].
         bound: Its half-width; from `WIDEST` on it is a disc [rad].
         nearest: Inner radius [m].
         farthest: Outer radius [m].
-        direction: (2,) of length 1.
     """
     outward = farthest * (1 + 64 * EPSILON)
+    supports = np.full(COUNT, outward)
     if bound >= WIDEST:
-        return outward
+        return supports
     x, y, slope = np.cos(centre), np.sin(centre), np.tan(bound)
-    side = direction[0] * x + direction[1] * y + slope * abs(direction[1] * x - direction[0] * y)
-    along = side * farthest if side > 0 else side * nearest * np.cos(bound)
-    return min(outward, along + 64 * EPSILON * (1 + slope) * farthest)
+    near, rounding = nearest * np.cos(bound), 64 * EPSILON * (1 + slope) * farthest
+    for m in range(COUNT):
+        side = DIRECTIONS[m, 0] * x + DIRECTIONS[m, 1] * y + slope * abs(DIRECTIONS[m, 1] * x - DIRECTIONS[m, 0] * y)
+        supports[m] = min(outward, (side * farthest if side > 0 else side * near) + rounding)
+    return supports
 
 
 @njit(cache=True, nogil=True)
@@ -75,14 +77,14 @@ def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, as
     chord = np.cos(bend)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k] + (turn[0] + turn[1]) / 2) / 2, (high[k] - low[k]) / 2 + wide
-        for m in range(COUNT):
-            longest = -np.inf
+        if distance[0] >= 0:
+            step = sector_supports(centre, bound, distance[0] * chord, distance[1])
+        else:
+            step = sector_supports(centre + np.pi, bound, max(0.0, -distance[1]) * chord, -distance[0])
             if distance[1] >= 0:
-                longest = sector_support(centre, bound, max(0.0, distance[0]) * chord, distance[1], DIRECTIONS[m])
-            if distance[0] < 0:
-                behind = sector_support(centre + np.pi, bound, max(0.0, -distance[1]) * chord, -distance[0], DIRECTIONS[m])
-                longest = max(longest, behind)
-            reach[k, m] += longest + aside[1] + 4 * EPSILON * abs(reach[k, m])
+                step = np.maximum(step, sector_supports(centre, bound, 0.0, distance[1]))
+        for m in range(COUNT):
+            reach[k, m] += step[m] + aside[1] + 4 * EPSILON * abs(reach[k, m])
         low[k] += turn[0] - ROUNDING * (1 + abs(low[k]))
         high[k] += turn[1] + ROUNDING * (1 + abs(high[k]))
 
@@ -192,9 +194,9 @@ def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) 
     apart = np.empty(COUNT)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        supports = sector_supports(centre + np.pi, bound, sector[2], sector[3])
         for m in range(COUNT):
-            support = sector_support(centre + np.pi, bound, sector[2], sector[3], DIRECTIONS[m])
-            reach[k, m] = min(reach[k, m], body[m] + support + 4 * EPSILON * abs(body[m]))
+            reach[k, m] = min(reach[k, m], body[m] + supports[m] + 4 * EPSILON * abs(body[m]))
         left[k] = len(tighten(reach[k], rows, bare)[0]) > 0
         if left[k] and sector[1] < np.pi / 2:
             for m in range(COUNT):
@@ -212,9 +214,9 @@ def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
     farthest = np.full(COUNT, -np.inf)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        supports = sector_supports(centre, bound, sector[2], sector[3])
         for m in range(COUNT):
-            support = sector_support(centre, bound, sector[2], sector[3], DIRECTIONS[m])
-            farthest[m] = max(farthest[m], reach[k, m] + support + 4 * EPSILON * abs(reach[k, m]))
+            farthest[m] = max(farthest[m], reach[k, m] + supports[m] + 4 * EPSILON * abs(reach[k, m]))
     return farthest
 
 

@@ -42,14 +42,14 @@ def stays_in_the_arena(world):
     return (world.positions > lower).all() and (world.positions < upper).all()
 
 
-def follow(robust, world, belief, count=25, lie=lambda step, records: records):
+def follow(robust, world, belief, count=25, lie=None):
     """Yield the belief at each step of a world that measures without compasses, its records changed by `lie`."""
     for step in range(count):
         motion = world.move(0.4)
         if not stays_in_the_arena(world):
             return
-        belief = robust.predict(belief, world.time, motion)
-        belief = robust.update(belief, lie(step, world.measure(compasses=False)))
+        belief, records = robust.predict(belief, world.time, motion), world.measure(compasses=False)
+        belief = robust.update(belief, lie(step, records) if lie else records)
         yield belief
 
 

@@ -43,17 +43,17 @@ class CarriedBounds:
         InvalidInput: A value is not finite or out of its range.
     """
 
-    bearing: float = 4.5 * DEGREE
+    bearing: float = 4.0 * DEGREE
     jitter: float = 2.5 * DEGREE
     range: float = 0.03
-    shortest: float = 0.135
-    longest: float = 0.085
+    shortest: float = 0.13
+    longest: float = 0.08
     command_lag: float = 0.2
     speed_scale: float = 0.93
     turn_scale: float = 0.96
     turn_share: float = 0.15
     turn_drift: float = 0.5 * DEGREE
-    distance_share: float = 0.35
+    distance_share: float = 0.3
     distance_drift: float = 0.004
     slip: float = 0.005
 

@@ -30,6 +30,7 @@ from experiments.terminal import print_table
 from filter.arrays import Array, Mask, number, whole
 from filter.belief import Belief
 from filter.lp import LinearProgram
+from filter.polygon import SIDES
 from filter.projection import position
 from filter.set_membership import SetMembershipFilter
 from filter.solvers import deepest_point, workspace
@@ -155,9 +156,9 @@ def beliefs(duration: float, seed: int) -> Iterator[Belief]:
 
 def cost(belief: Belief) -> tuple[float, float, float]:
     """Return how long a step's solving takes, the proofs of edges, boxes and emptiness, and those of inner points [s]."""
-    edges, boxes = belief.proofs[: len(belief.regions)], belief.proofs[len(belief.regions) :]
-    program, again = edges[0].polytope.program(), edges[0].polytope.program()
-    objectives = [proof.normal @ position(robot, len(edges)) for robot, proof in enumerate(edges)]
+    edges, boxes = belief.proofs
+    program, again, robots = edges.polytope.program(), edges.polytope.program(), len(belief.regions)
+    objectives = [edges.normal[edges.robot == robot] @ position(robot, robots) for robot in range(robots)]
     begin = perf_counter()
     solver, deepest = workspace(program, "piqp"), deepest_point(program, "piqp")
     found = [[one for one in map(solver.maximize, each) if one] for each in objectives]
@@ -167,10 +168,9 @@ def cost(belief: Belief) -> tuple[float, float, float]:
     again.proves_empty(deepest.multipliers)
     for directions, each in zip(objectives, found, strict=True):
         again.certified_bounds(directions, again.essential(directions, np.array([one.multipliers for one in each])))
-    for proof in boxes:
-        weights = np.zeros((len(proof), len(proof.polytope.constraints)))
-        weights[proof.claim, proof.row] = proof.multiplier
-        proof.polytope.program().certified_bounds(proof.normal @ position(0, len(edges)), weights)
+    weights = np.zeros((len(boxes), len(boxes.polytope.constraints)))
+    weights[boxes.claim, boxes.row] = boxes.multiplier
+    boxes.polytope.program().certified_bounds(np.kron(np.eye(robots), SIDES), weights)
     certified = perf_counter()
     again.holds(deepest.point[None])
     for each in found:

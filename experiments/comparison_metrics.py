@@ -62,7 +62,7 @@ def relative_regions(belief: Belief, pairs: Sequence[tuple[int, int]], team_filt
     projections = project_all(program, planes, known, team_filter.solvers, team_filter.stop)
     if projections.contradiction is not None:
         raise Inconsistent(f"relative positions at {belief.time} s", [])
-    return [found.outer for found in projections.found]
+    return [found.outer for found in projections.complete]
 
 
 @dataclass

@@ -1,26 +1,28 @@
 """What a recording shows of one instant, as points and lines; how it looks is in `experiments.recording`.
 
-Layers come first in the paths (/world/outer/r3), so that a viewer can switch a layer on and off.
+Layers come first in the paths (/world/outer/r3), so that a viewer can switch a layer on and off. `Drawing` has an entity for
+each robot and layer; for large teams, of which no viewer could show as many, `Layers` has one for each layer.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from experiments.located import Located
 from filter.arrays import Array
-from filter.belief import Region
 from filter.measurements import Bearing, Range
 from filter.polygon import Polygon
+from filter.region import Region
 from filter.team import Team
 from sim.frame import Frame, Truth
 
 TRAIL = 8.0  # how long a robot's way stays to be seen [s]
 ARROW = 0.28  # length of the arrow that shows a heading [m]
+ALL, PLOTTED = "team", ("mean", "least", "greatest")  # names of what is drawn of a large team
 LABEL = 0.1  # how far below a polygon its robot's name stands [m]
 # Heights of the layers, so that each covers those below it [m].
 HEIGHT = {"fill": 0.004, "trail": 0.008, "rays": 0.012, "outer": 0.020, "inner": 0.024, "truth": 0.030, "estimate": 0.036}
@@ -49,10 +51,10 @@ class Arrows:
 
 
 @dataclass(frozen=True, eq=False)
-class Fan:
-    """The inside of a convex polygon with (k, 3) vertices [m]."""
+class Fans:
+    """The insides of convex polygons with (k, 3) vertices each [m]."""
 
-    vertices: Array
+    polygons: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ class Number:
     value: float
 
 
-Item = Strips | Points | Arrows | Fan | Number
+Item = Strips | Points | Arrows | Fans | Number
 
 
 def at_height(points: Array, layer: str) -> Array:
@@ -102,10 +104,10 @@ class Drawing:
             place = None if frame.truth is None else frame.truth.positions[robot]
             seen = place is not None and bool(np.isfinite(place).all())
             yield self._trail(robot, frame.time, place if place is not None and seen else region.outer.centroid)
-        yield from self._rays(frame, belief)
+        yield from rays(frame, belief, self.team)
 
     def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
-        yield f"/world/fill/{name}", Fan(at_height(region.outer.vertices, "fill"))
+        yield f"/world/fill/{name}", Fans((at_height(region.outer.vertices, "fill"),))
         yield f"/world/outer/{name}", Strips((closed(region.outer, "outer"),))
         yield f"/world/inner/{name}", Strips((closed(region.inner, "inner"),) if region.inner else ())
         yield f"/world/estimate/{name}", Points(at_height(region.outer.centroid[None], "estimate"))
@@ -128,10 +130,45 @@ class Drawing:
         line = at_height(np.array([point for _, point in trail]), "trail")
         return f"/world/trail/{self.team.name(robot)}", Strips((line,) if len(line) > 1 else ())
 
-    def _rays(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
-        places = np.concatenate([[region.outer.centroid for region in belief.regions], self.team.landmarks])
-        for kind in (Bearing, Range):
-            records = [record for record in frame.measurements if isinstance(record, kind)]
-            pairs = [pair for record in records for pair in zip(record.robot, record.target, strict=True)]
-            lines = tuple(at_height(places[list(pair)], "rays") for pair in pairs)
-            yield f"/world/rays/{kind.__name__.lower()}", Strips(lines)
+
+@dataclass(frozen=True)
+class Layers:
+    """Draws a run of a large team, an instant at a time: one entity for each layer, all robots in it; no names, no trails.
+
+    Attributes:
+        team: Whose run it is.
+    """
+
+    team: Team
+
+    def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
+        """Yield each layer's path and what it shows at this instant, robot by robot."""
+        outers = [region.outer for region in belief.regions]
+        inners = [region.inner for region in belief.regions if region.inner]
+        yield f"/world/fill/{ALL}", Fans(tuple(at_height(outer.vertices, "fill") for outer in outers))
+        yield f"/world/outer/{ALL}", Strips(tuple(closed(outer, "outer") for outer in outers))
+        yield f"/world/inner/{ALL}", Strips(tuple(closed(inner, "inner") for inner in inners))
+        yield f"/world/estimate/{ALL}", Points(at_height(np.array([outer.centroid for outer in outers]), "estimate"))
+        if frame.truth is not None:
+            places, headings = at_height(frame.truth.positions, "truth"), frame.truth.headings
+            along = ARROW * np.column_stack([np.cos(headings), np.sin(headings), np.zeros(len(headings))])
+            yield f"/world/truth/{ALL}", Points(places)
+            yield f"/world/heading/{ALL}", Arrows(places, along)
+        yield from rays(frame, belief, self.team)
+        yield from _plotted("/area", [outer.area for outer in outers])
+        yield from _plotted("/performance_ratio", [region.performance_ratio for region in belief.regions])
+
+
+def _plotted(plot: str, values: Sequence[float]) -> Iterator[tuple[str, Item]]:
+    for name, value in zip(PLOTTED, (float(np.mean(values)), min(values), max(values)), strict=True):
+        yield f"{plot}/{name}", Number(value)
+
+
+def rays(frame: Frame, belief: Located, team: Team) -> Iterator[tuple[str, Item]]:
+    """Yield, for bearings and for ranges, lines between those that measured and what they measured."""
+    places = np.concatenate([[region.outer.centroid for region in belief.regions], team.landmarks])
+    for kind in (Bearing, Range):
+        records = [record for record in frame.measurements if isinstance(record, kind)]
+        pairs = [pair for record in records for pair in zip(record.robot, record.target, strict=True)]
+        lines = tuple(at_height(places[list(pair)], "rays") for pair in pairs)
+        yield f"/world/rays/{kind.__name__.lower()}", Strips(lines)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from filter.angles import AngularIntervals
-from filter.belief import Region
+from filter.region import Region
 
 
 class Located(Protocol):

@@ -78,14 +78,13 @@ def run(options: Options) -> int:
         CorralError: An option, a file of the data, or the output folder cannot be used.
     """
     whole("seed", options.seed)
-    robots, bounds = numbers_of(options.robots), Bounds()
-    data = data_of(options)
-    scenario = frames(
-        data, robots, options.start, options.duration, bounds=bounds, generator=np.random.default_rng(options.seed)
-    )
+    robots, data = numbers_of(options.robots), data_of(options)
+    declared = Bounds()
+    bounds = declared.chained()  # the filter goes from frame to frame
+    scenario, single = (scenario_of(options, data, robots, each) for each in (bounds, declared))
     folder = output_folder(options.out)
     following = Following(scenario, folder, f"mrclam_{data.name}_{options.fault}")
-    following.run(team_filter(scenario, Motions(data, robots, bounds)))
+    following.run(team_filter(scenario, Motions(data, robots, bounds)), single)
     table = following.tally.table()
     found = summary_of(table, options.start, following.tally.resets)
     summary = header_of(options, data, robots) | found
@@ -96,6 +95,12 @@ def run(options: Options) -> int:
     if broken:
         tell("a truth was outside while the guarantee was said to be in force")
     return int(broken > 0)
+
+
+def scenario_of(options: Options, data: Run, robots: Sequence[int], bounds: Bounds) -> Scenario:
+    """Return the run with some bounds, the same for the same seed but for them."""
+    generator = np.random.default_rng(options.seed)
+    return frames(data, robots, options.start, options.duration, bounds=bounds, generator=generator)
 
 
 def numbers_of(robots: str) -> tuple[int, ...]:
@@ -146,16 +151,20 @@ class Following:
         self._changes = Changes(scenario.team)
         self._recorded = -np.inf
 
-    def run(self, followed: Iterator[Followed]) -> None:
+    def run(self, followed: Iterator[Followed], single: Scenario) -> None:
         """Follow to the end.
+
+        Args:
+            followed: The filter's steps.
+            single: The scenario with the bounds of single records, from which the Kalman filter has its deviations.
 
         Raises:
             CorralError: A frame cannot be used.
         """
-        estimate, step_ekf = kalman_filter(self._scenario)
+        estimate, step_ekf = kalman_filter(single)
         with self._recording, self._trajectories, StepProgress(self._scenario.count) as progress:
-            for step in followed:
-                estimate = step_ekf(estimate, step.frame)
+            for step, frame in zip(followed, single.frames, strict=True):
+                estimate = step_ekf(estimate, frame)
                 self._keep(step, estimate)
                 progress.advance(step.frame.time, step.seconds)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,8 @@ class Bounds:
         reach: The longest path that is possible at all, whatever was commanded: knots [s], [m].
         hold: A command is obeyed for so long if no other comes [s]; then nothing is known but `reach` and `swing`.
         swing: The largest turn that is possible at all: knots [s], [rad].
+        heading_jitter: A belief follows a heading within so much of the true one [rad]: 0, but for `chained` bounds.
+        position_jitter: And a position within so much of the true one [m].
 
     Raises:
         InvalidInput: A value is out of its range, or knots are not those of a concave function.
@@ -51,14 +53,43 @@ class Bounds:
     reach: Knots = ((0.05, 0.015), (1.0, 0.11))
     hold: float = 2.0
     swing: Knots = ((0.1, 12 * DEGREE), (1.0, 60 * DEGREE))
+    heading_jitter: float = 0.0
+    position_jitter: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("range", "measurement_delay", "command_lag", "speed_scale", "hold"):
+        for name in ("range", "measurement_delay", "command_lag", "speed_scale", "hold", "heading_jitter", "position_jitter"):
             number(name, getattr(self, name), 0)
         number("bearing bound [rad]", self.bearing, 0, np.nextafter(np.pi / 2, 0))
         number("relative range bound", self.relative_range, 0, np.nextafter(1.0, 0))
         for name in ("distance", "turn", "slip", "reach", "swing"):
             _check_knots(name, getattr(self, name))
+
+    def chained(self, length: float = 1.0) -> Bounds:
+        """Return bounds for a filter that chains short records: motion drifts in each as it does over `length` [s].
+
+        Such a filter follows a smoothed pose, never farther from the true one than the jitters. The bounds of measurements
+        are then those of what the smoothed pose would measure; they stay as they are, as they are broken just as often
+        (docs/real-robots.md).
+
+        Algorithm:
+            Let e(t) be the error of a turn summed up since the start, |e(t) - e(s)| <= 2 jitter + drift |t - s| for all s
+            and t. Then f(t) = min over s of (e(s) + drift |t - s|) + jitter is within the jitter of e(t), and
+            |f(t) - f(s)| <= drift |t - s| (McShane's extension). The same for the two coordinates of the position, where e is
+            how far the true one is from the commanded path along the true headings; that both are smoothed costs a factor of
+            sqrt(2), which the drifts of path and slip together have in hand (measured).
+        """
+        distance, turn, slip, reach = (
+            float(bound_over(knots, length)) / length for knots in (self.distance, self.turn, self.slip, self.reach)
+        )
+        return replace(
+            self,
+            distance=((1.0, distance),),
+            turn=((1.0, turn),),
+            slip=((1.0, slip),),
+            reach=((1.0, reach),),
+            heading_jitter=_above(self.turn, turn) / 2,
+            position_jitter=float(np.sqrt(0.5)) * (_above(self.distance, distance) + _above(self.slip, slip)),
+        )
 
     def range_columns(self, measured: Floats) -> tuple[Array, Array]:
         """Return (k,) absolute and relative bounds of measured ranges (k,) for a `Range` record.
@@ -93,3 +124,8 @@ def bound_over(knots: Knots, length: Floats) -> Array:
     slopes = np.diff(points[:, 1]) / np.diff(points[:, 0])
     lines = points[1:, 1] + slopes * (np.asarray(length, dtype=float)[..., None] - points[1:, 0])
     return np.asarray(lines.min(axis=-1))
+
+
+def _above(knots: Knots, slope: float) -> float:
+    """Return how far the function through the knots is above a straight line from (0, 0) at most."""
+    return max([0.0, *(bound - slope * length for length, bound in knots)])

@@ -14,9 +14,10 @@ from experiments.mrclam_motion import Motions
 from experiments.scenarios import Scenario, initial_headings
 from filter.angles import AngularIntervals
 from filter.arrays import Mask
-from filter.belief import Belief, Region, Rejected, Source
+from filter.belief import Belief, Rejected, Source
 from filter.errors import Inconsistent
 from filter.polygon import Polygon
+from filter.region import Region
 from filter.robust import RobustFilter
 from filter.robust_belief import Restarted
 from filter.set_membership import SetMembershipFilter

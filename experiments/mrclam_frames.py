@@ -45,6 +45,12 @@ class Start:
         if self.heading is not None:
             number("start heading bound [rad]", self.heading, 0, np.pi)
 
+    def widened(self, bounds: Bounds) -> Start:
+        """Return what is known of the pose that a belief follows: the jitters of the bounds added."""
+        position = None if self.position is None else self.position + bounds.position_jitter
+        heading = None if self.heading is None else min(self.heading + bounds.heading_jitter, np.pi)
+        return Start(position, heading)
+
 
 def frames(
     run: Run,
@@ -84,7 +90,7 @@ def frames(
     truth = truth_at(run, robots, np.append(start, times))
     return Scenario(
         header=Header(team, start, None),
-        initial=_initial_sets(truth.positions[0], truth.headings[0], known, team, generator),
+        initial=_initial_sets(truth.positions[0], truth.headings[0], known.widened(bounds), team, generator),
         frames=_frames(start, times, measured, Motions(run, robots, bounds), truth),
         count=len(times),
         walls=np.zeros((0, 4)),

@@ -106,13 +106,14 @@ class Motions:
         right, left = commands.turns_within(begin, end)
         backwards = commands.slowest_within(begin, end) < 0
         turn_bound = bound_over(self.bounds.turn, length)
+        aside = (left - right) / 2 + turn_bound + self.bounds.heading_jitter
         return Motion(
             distance=(least + greatest) / 2,
             distance_bound=(greatest - least) / 2,
             turn=commands.turned(begin, end),
             turn_bound=turn_bound,
             direction=(right + left) / 2,
-            direction_bound=np.where(backwards, ANY_DIRECTION, np.minimum((left - right) / 2 + turn_bound, ANY_DIRECTION)),
+            direction_bound=np.where(backwards, ANY_DIRECTION, np.minimum(aside, ANY_DIRECTION)),
             slip_bound=bound_over(self.bounds.slip, length),
         )
 
@@ -121,9 +122,9 @@ class Motions:
         nothing = np.zeros(len(length))
         return Motion(
             distance=nothing,
-            distance_bound=bound_over(self.bounds.reach, length),
+            distance_bound=bound_over(self.bounds.reach, length) + 2 * self.bounds.position_jitter,
             turn=nothing,
-            turn_bound=bound_over(self.bounds.swing, length),
+            turn_bound=bound_over(self.bounds.swing, length) + 2 * self.bounds.heading_jitter,
             direction=nothing,
             direction_bound=np.full(len(length), ANY_DIRECTION),
             slip_bound=bound_over(self.bounds.slip, length),

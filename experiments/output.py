@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -37,8 +37,8 @@ def output_folder(path: Path) -> Path:
     return path
 
 
-def write_summary(folder: Path, summary: Mapping[str, Value | list[float]]) -> None:
-    """Write `summary.json`, flat but for lists of numbers."""
+def write_summary(folder: Path, summary: Mapping[str, Value | Sequence[Value]]) -> None:
+    """Write `summary.json`, flat but for lists."""
     (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 

@@ -18,7 +18,21 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from experiments.colours import Colour, colour_of, mixed
-from experiments.drawing import LABEL, Arrows, Drawing, Fan, Item, Number, Points, Strips, at_height, closed
+from experiments.drawing import (
+    ALL,
+    LABEL,
+    PLOTTED,
+    Arrows,
+    Drawing,
+    Fans,
+    Item,
+    Layers,
+    Number,
+    Points,
+    Strips,
+    at_height,
+    closed,
+)
 from experiments.located import Located
 from filter.arrays import Array
 from filter.polygon import Polygon
@@ -36,6 +50,9 @@ INK: Colour = (245, 246, 248)
 ELLIPSE: Colour = (255, 214, 102)  # of another estimator
 ALARM: Colour = (255, 76, 76)
 ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
+INDIVIDUALLY = 60  # robots at most that have entities of their own; more would slow a viewer down
+CROWDED = 0.4  # size of a large team's points and lines, relative to a small one's
+CLOSE = 12.0  # height from which a large team's middle is shown [m]
 CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
 RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
 
@@ -78,13 +95,12 @@ class Recording:
         self._stream.set_log_time_enabled(False)
         live = [rr.GrpcSink(viewer)] if viewer else []
         self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera))
-        self._drawing = Drawing(team)
+        self._drawing = Drawing(team) if team.robots <= INDIVIDUALLY else Layers(team)
         self._rows: dict[str, list[tuple[int, float, Any]]] = defaultdict(list)
         self._step, self._time, self._sent = -1, 0.0, -np.inf
         self._styled: set[str] = set()
         self._draw_world(team, walls, wall_height)
-        for robot in range(team.robots):
-            self._style(team.name(robot), mixed(colour_of(robot), INK, 0.15))  # lighter, for the dark ground
+        self._draw_robots(team)
 
     def add(self, frame: Frame, belief: Located) -> None:
         """Record one step."""
@@ -184,18 +200,37 @@ class Recording:
         for kind, colour in RAYS.items():
             self._static(f"/world/rays/{kind}", rr.LineStrips3D.from_fields(colors=colour, radii=ui_points(1.0)))
 
-    def _style(self, name: str, colour: Colour) -> None:
+    def _draw_robots(self, team: Team) -> None:
+        colours = [mixed(colour_of(robot), INK, 0.15) for robot in range(team.robots)]  # lighter, for the dark ground
+        if team.robots > INDIVIDUALLY:
+            self._style(ALL, colours)
+            self._plots(PLOTTED, [INK, RAYS["bearing"], ALARM])
+            return
+        names = [team.name(robot) for robot in range(team.robots)]
+        for name, colour in zip(names, colours, strict=True):
+            self._style(name, [colour])
+            self._static(f"/world/label/{name}", rr.Points3D.from_fields(colors=INK, radii=0.0, labels=name, show_labels=True))
+        self._plots(names, colours)
+
+    def _style(self, name: str, colours: Sequence[Colour]) -> None:
+        """Say how the layers of one robot look, or those of several that share them."""
         lines, points = rr.LineStrips3D.from_fields, rr.Points3D.from_fields
-        self._static(f"/world/fill/{name}", rr.Mesh3D.from_fields(albedo_factor=(*colour, 50)))
-        self._static(f"/world/outer/{name}", lines(colors=colour, radii=ui_points(2.4)))
-        self._static(f"/world/inner/{name}", lines(colors=mixed(colour, INK, 0.5), radii=ui_points(1.0)))
-        self._static(f"/world/trail/{name}", lines(colors=mixed(colour, BACKGROUND, 0.5), radii=ui_points(1.5)))
-        self._static(f"/world/truth/{name}", points(colors=colour, radii=ui_points(9), point_shading="flat"))
-        self._static(f"/world/heading/{name}", rr.Arrows3D.from_fields(colors=colour, radii=ui_points(3)))
-        self._static(f"/world/estimate/{name}", points(colors=INK, radii=ui_points(4), point_shading="flat"))
-        self._static(f"/world/label/{name}", points(colors=INK, radii=0.0, labels=name, show_labels=True))
-        self._static(f"/area/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.5, aggregation_policy="Off"))
-        self._static(f"/performance_ratio/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.0))
+        alone = len(colours) == 1
+        size = 1.0 if alone else CROWDED
+        fill, inner = (colours[0], mixed(colours[0], INK, 0.5)) if alone else (INK, INK)
+        trail = [mixed(colour, BACKGROUND, 0.5) for colour in colours]
+        self._static(f"/world/fill/{name}", rr.Mesh3D.from_fields(albedo_factor=(*fill, 50)))
+        self._static(f"/world/outer/{name}", lines(colors=colours, radii=ui_points(2.4 * size)))
+        self._static(f"/world/inner/{name}", lines(colors=inner, radii=ui_points(1.0)))
+        self._static(f"/world/trail/{name}", lines(colors=trail, radii=ui_points(1.5)))
+        self._static(f"/world/truth/{name}", points(colors=colours, radii=ui_points(9 * size), point_shading="flat"))
+        self._static(f"/world/heading/{name}", rr.Arrows3D.from_fields(colors=colours, radii=ui_points(3 * size)))
+        self._static(f"/world/estimate/{name}", points(colors=INK, radii=ui_points(4 * size), point_shading="flat"))
+
+    def _plots(self, names: Sequence[str], colours: Sequence[Colour]) -> None:
+        for name, colour in zip(names, colours, strict=True):
+            self._static(f"/area/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.5, aggregation_policy="Off"))
+            self._static(f"/performance_ratio/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.0))
 
     def __enter__(self) -> Recording:
         return self
@@ -216,19 +251,27 @@ def _columns(items: Sequence[Any]) -> list[Any]:
         case Arrows():
             origins, vectors = (np.concatenate([getattr(item, name) for item in items]) for name in ("origins", "vectors"))
             return [*rr.Arrows3D.columns(origins=origins, vectors=vectors).partition([len(item.origins) for item in items])]
-        case Fan():
-            return _fans([item.vertices for item in items])
+        case Fans():
+            return _fans(items)
         case Number():
             return [*rr.Scalars.columns(scalars=[item.value for item in items])]
     texts, levels = zip(*items, strict=True)
     return [*rr.TextLog.columns(text=texts, level=levels)]
 
 
-def _fans(polygons: Sequence[Array]) -> list[Any]:
-    triangles = [np.array([[0, k, k + 1] for k in range(1, len(vertices) - 1)]).reshape(-1, 3) for vertices in polygons]
-    corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(polygons)).partition([len(fan) for fan in polygons])
-    indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(fan) for fan in triangles])
+def _fans(items: Sequence[Fans]) -> list[Any]:
+    points = [np.concatenate(item.polygons) for item in items]
+    triangles = [np.concatenate(_triangles([len(vertices) for vertices in item.polygons])) for item in items]
+    corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(points)).partition([len(each) for each in points])
+    indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(each) for each in triangles])
     return [*corners, *indices]
+
+
+def _triangles(counts: Sequence[int]) -> list[Array]:
+    """Return the triangles, as numbers of vertices laid end to end, of fans with so many vertices."""
+    firsts = np.cumsum([0, *counts[:-1]])
+    fans = [np.array([[0, k, k + 1] for k in range(1, count - 1)], dtype=np.int64).reshape(-1, 3) for count in counts]
+    return [first + fan for first, fan in zip(firsts, fans, strict=True)]
 
 
 def blueprint(team: Team, camera: bool) -> rrb.Blueprint:
@@ -238,6 +281,8 @@ def blueprint(team: Team, camera: bool) -> rrb.Blueprint:
     arena = _from_above("Arena from above", (*middle, 0.0), float(max(size[1], size[0] / NARROWEST)) * 1.06)
     middle_one = team.name(team.robots // 2)
     close = _from_above(f"Close-up of {middle_one}", (0.0, 0.0, 0.0), 0.5, tracked=f"/world/estimate/{middle_one}")
+    if team.robots > INDIVIDUALLY:
+        close = _from_above("Close-up of the middle", (*middle, 0.0), CLOSE)
     legend = rrb.PlotLegend(corner="RightTop")
     area = rrb.TimeSeriesView(origin="/area", name="Area of the outer polygons [m²]", plot_legend=legend)
     ratio = rrb.TimeSeriesView(

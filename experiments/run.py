@@ -21,13 +21,22 @@ class Step:
 
     Attributes:
         frame: What it was given.
+        predicted: What it knew before the measurements.
         belief: What it knows now.
-        seconds: How long predict and update took together.
+        predict_seconds: How long predict took.
+        update_seconds: How long update took.
     """
 
     frame: Frame
+    predicted: Belief
     belief: Belief
-    seconds: float
+    predict_seconds: float
+    update_seconds: float
+
+    @property
+    def seconds(self) -> float:
+        """How long predict and update took together."""
+        return self.predict_seconds + self.update_seconds
 
 
 def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter | None = None) -> Iterator[Step]:
@@ -44,10 +53,10 @@ def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter |
         if log is not None:
             log.write(frame)
         begin = perf_counter()
-        if frame.time > belief.time:
-            belief = team_filter.predict(belief, frame.time, frame.odometry)
-        belief = team_filter.update(belief, frame.measurements)
-        yield Step(frame, belief, perf_counter() - begin)
+        predicted = team_filter.predict(belief, frame.time, frame.odometry) if frame.time > belief.time else belief
+        between = perf_counter()
+        belief = team_filter.update(predicted, frame.measurements)
+        yield Step(frame, predicted, belief, between - begin, perf_counter() - between)
 
 
 @dataclass

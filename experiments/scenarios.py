@@ -16,6 +16,7 @@ from filter.arrays import Array
 from filter.team import Team
 from sim.episode import Episode
 from sim.frame import Frame
+from sim.world import World
 
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
@@ -59,7 +60,7 @@ def from_simulator(episode: Episode, rate: float) -> Scenario:
         count=len(episode),
         walls=world.walls,
         wall_height=world.wall_height,
-        picture=world.render,
+        picture=world.render if isinstance(world, World) else None,
     )
 
 

@@ -1,18 +1,20 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
-Read the modules in this order: errors, arrays, angles, plane, polygon, constraints, lp, scaling, solvers, polytope,
-reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, projector, window,
-windows, belief, regions, rejection, set_membership; slices, sightings, hypotheses, voting, trust, robust_belief, merging,
-robust, lag.
+Read the modules in this order: errors, arrays, compiled, angles, plane, polygon, polygons, constraints, lp, scaling, solvers,
+polytope, reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, budget,
+projector, window, windowed, outlines, windows, region, belief, headings, boxes, regions, rejection, set_membership;
+slices, sightings, hypotheses, voting, trust, robust_belief, merging, robust, lag.
 """
 
 from filter.angles import AngularIntervals
-from filter.belief import Belief, Event, Fallback, Proof, Region, Rejected, Source
+from filter.belief import Belief, Event, Fallback, Proof, Rejected, Source
+from filter.budget import Budget
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
 from filter.lag import FixedLag, Lagged
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.polygon import Polygon
 from filter.projection import Stop
+from filter.region import Region, Regions
 from filter.robust import RobustFilter
 from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief
 from filter.set_membership import SetMembershipFilter
@@ -25,6 +27,7 @@ __all__ = [
     "AngularIntervals",
     "Bearing",
     "Belief",
+    "Budget",
     "Compass",
     "CorralError",
     "Disagreement",
@@ -42,6 +45,7 @@ __all__ = [
     "Proof",
     "Range",
     "Region",
+    "Regions",
     "Rejected",
     "Restarted",
     "RobustBelief",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from filter.arrays import Array, Floats, Integers, Mask, finite, read_only
+from filter.compiled import compiled
 from filter.errors import InvalidInput
 
 # One operation on angles of a few turns is off by a few units in the last place of 2 pi; this covers it many times.
@@ -91,22 +92,33 @@ class AngularIntervals:
 
         Two wide arcs can meet at both ends; the result then is their hull inside the narrower one (errs outward).
         """
-        swap = other.bound < self.bound
-        centre, bound = np.where(swap, other.centre, self.centre), np.where(swap, other.bound, self.bound)
-        offset = wrap(np.where(swap, self.centre, other.centre) - centre)
-        wider = np.where(swap, self.bound, other.bound)
-        low, high = np.full(len(centre), np.inf), np.full(len(centre), -np.inf)
-        for turn in (-2 * np.pi, 0.0, 2 * np.pi):  # the wider arc may reach into the narrower one from either side
-            piece_low = np.maximum(-bound, offset + turn - wider - ROUNDING)
-            piece_high = np.minimum(bound, offset + turn + wider + ROUNDING)
-            meets = piece_low <= piece_high
-            low = np.where(meets, np.minimum(low, piece_low), low)
-            high = np.where(meets, np.maximum(high, piece_high), high)
-        empty = (low > high) | self.empty | other.empty
-        unchanged = (low <= -bound) & (high >= bound)
-        with np.errstate(invalid="ignore"):
-            middle, half = (low + high) / 2, (high - low) / 2
-        return AngularIntervals(
-            np.where(empty | unchanged, centre, centre + middle),
-            np.where(empty, -1.0, np.where(unchanged, bound, half + ROUNDING)),
-        )
+        return AngularIntervals(*_intersections(self.centre, self.bound, other.centre, other.bound))
+
+
+@compiled
+def intersection(centre: float, bound: float, other_centre: float, other_bound: float) -> tuple[float, float]:
+    """Return centre and bound of what two arcs have in common, as `AngularIntervals.intersection` does [rad]."""
+    if other_bound < bound:
+        centre, bound, other_centre, other_bound = other_centre, other_bound, centre, bound
+    offset = other_centre - centre  # within two whole turns, as centres are wrapped
+    offset -= 2 * np.pi * np.round(offset / (2 * np.pi))
+    low, high = np.inf, -np.inf
+    for turn in range(-1, 2):  # the wider arc may reach into the narrower one from either side
+        piece_low = max(-bound, offset + 2 * np.pi * turn - other_bound - ROUNDING)
+        piece_high = min(bound, offset + 2 * np.pi * turn + other_bound + ROUNDING)
+        if piece_low <= piece_high:
+            low, high = min(low, piece_low), max(high, piece_high)
+    if low > high or bound < 0 or other_bound < 0:
+        return centre, -1.0
+    if low <= -bound and high >= bound:
+        return centre, bound
+    middle = centre + (low + high) / 2
+    return middle - 2 * np.pi * np.ceil((middle - np.pi) / (2 * np.pi)), (high - low) / 2 + 2 * ROUNDING
+
+
+@compiled
+def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound: Array) -> tuple[Array, Array]:
+    centres, bounds = np.empty(len(centre)), np.empty(len(centre))
+    for k in range(len(centre)):
+        centres[k], bounds[k] = intersection(centre[k], bound[k], other_centre[k], other_bound[k])
+    return centres, bounds

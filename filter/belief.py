@@ -9,9 +9,8 @@ import numpy as np
 from filter.angles import AngularIntervals
 from filter.arrays import Array, Floats, Integers, read_only
 from filter.constraints import Constraints
-from filter.polygon import Polygon
 from filter.polytope import Polytope
-from filter.projection import Reason, performance_ratio
+from filter.region import Regions
 
 KINDS = ("initial set", "compass", "bearing", "range", "region")
 
@@ -157,34 +156,6 @@ class Proof:
 
 
 @dataclass(frozen=True, eq=False)
-class Region:
-    """Where one robot is.
-
-    Attributes:
-        outer: Contains the robot, as long as every declared bound holds.
-        inner: Every point of it is possible; None when nothing is known from inside (after a prediction, say).
-        searches: How many directions were searched, or how many edges of the exact projection were kept.
-        reason: What decided that (see `Projection`), or None when nothing was projected.
-        causes: For each edge of the outer polygon the numbers of its sources in the belief's table; for a side of
-            the box what the box comes from.
-    """
-
-    outer: Polygon
-    inner: Polygon | None
-    searches: int
-    reason: Reason | None
-    causes: tuple[Integers, ...]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "causes", tuple(map(read_only, self.causes)))
-
-    @property
-    def performance_ratio(self) -> float:
-        """Area inside over area outside (eq. 7), in [0, 1]; 0 without an inner polygon."""
-        return performance_ratio(self.inner, self.outer)
-
-
-@dataclass(frozen=True, eq=False)
 class Belief:
     """What the filter knows at one time.
 
@@ -202,21 +173,21 @@ class Belief:
     time: float
     polytope: Polytope
     headings: AngularIntervals
-    regions: tuple[Region, ...]
+    regions: Regions
     sources: Sources
     events: tuple[Event, ...] = ()
     proofs: tuple[Proof, ...] = ()
 
     def compact(self) -> Belief:
         """Return the same with a table that holds only the sources that rows, edges and boxes name."""
-        rows, origin, regions = self.polytope.constraints, self.polytope.origin, self.regions
-        used = np.unique(np.concatenate([rows.source, origin, *(cause for region in regions for cause in region.causes)]))
-        regions = tuple(
-            replace(region, causes=tuple(np.searchsorted(used, cause) for cause in region.causes)) for region in regions
-        )
-        renumbered = replace(rows, source=np.searchsorted(used, rows.source))
-        polytope = replace(self.polytope, constraints=renumbered, origin=np.searchsorted(used, origin))
-        return replace(self, polytope=polytope, regions=regions, sources=self.sources.select(used))
+        rows, origin, cause = self.polytope.constraints, self.polytope.origin, self.regions.cause
+        used = np.zeros(len(self.sources), dtype=bool)
+        for numbers in (rows.source, origin, cause):
+            used[numbers] = True
+        now = np.cumsum(used) - 1
+        polytope = replace(self.polytope, constraints=replace(rows, source=now[rows.source]), origin=now[origin])
+        regions = replace(self.regions, cause=now[cause])
+        return replace(self, polytope=polytope, regions=regions, sources=self.sources.select(np.flatnonzero(used)))
 
     @property
     def constraints(self) -> Constraints:

@@ -14,9 +14,12 @@ import numpy as np
 from scipy import sparse
 
 from filter.arrays import Array, Integers, Mask, read_only
+from filter.compiled import compiled
 from filter.plane import EPSILON
 
 WORLD = -1
+
+Columns = tuple[Integers, Integers, Array, Array]  # i, j, normal and offset, as compiled functions take them
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,11 @@ class Constraints:
     def __len__(self) -> int:
         return len(self.offset)
 
+    @property
+    def columns(self) -> Columns:
+        """The rows without their sources."""
+        return self.i, self.j, self.normal, self.offset
+
     def select(self, rows: Integers | Mask) -> Constraints:
         """Return some of the rows, by index or mask."""
         return Constraints(*(getattr(self, column.name)[rows] for column in fields(self)))
@@ -73,11 +81,25 @@ class Constraints:
 
     def rows_of(self, i: int, j: int) -> Integers:
         """Return the rows on one pair, or with i = WORLD on one robot."""
+        order, begin, end = self.groups(np.array([i]), np.array([j]))
+        return order[begin[0] : end[0]]
+
+    def groups(self, i: Integers, j: Integers) -> tuple[Integers, Integers, Integers]:
+        """Return the rows of each of (g) pairs, or of robots where i is WORLD.
+
+        Returns:
+            All rows in the order of their groups (r,), and where in it those of each pair begin and end, (g,) and (g,).
+        """
         order, keys = self._groups
-        if j >= self._stride:  # beyond every row; its key would be another pair's
-            return order[:0]
-        key = (i + 1) * self._stride + j
-        return order[np.searchsorted(keys, key) : np.searchsorted(keys, key, side="right")]
+        # A robot beyond every row has none; its key would be another pair's.
+        key = np.where(j < self._stride, (i + 1) * self._stride + j, -1)
+        return order, np.searchsorted(keys, key), np.searchsorted(keys, key, side="right")
+
+    def grouped(self) -> tuple[Integers, Integers, Integers, Integers]:
+        """Return all rows in the order of their robots and pairs (r,), and i, j and number of rows of each of these (g,)."""
+        order, keys = self._groups
+        first = np.flatnonzero(np.diff(keys, prepend=-1))
+        return order, keys[first] // self._stride - 1, keys[first] % self._stride, np.diff(first, append=len(keys))
 
     @cached_property
     def _stride(self) -> int:
@@ -112,3 +134,19 @@ def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
     """
     difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
     return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))
+
+
+@compiled
+def may_be_broken(rows: Columns, lower: Array, upper: Array) -> bool:
+    """Return whether some row seems to hold nowhere in boxes (n, 2) around the robots; a look that is cheap, and no proof."""
+    i, j, normal, offset = rows
+    for row in range(len(offset)):
+        least = 0.0
+        for m in range(2):
+            coefficient = normal[row, m]
+            least += coefficient * (lower[j[row], m] if coefficient > 0 else upper[j[row], m])
+            if i[row] != WORLD:
+                least -= coefficient * (upper[i[row], m] if coefficient > 0 else lower[i[row], m])
+        if least > offset[row]:
+            return True
+    return False

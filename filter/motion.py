@@ -12,6 +12,7 @@ import numpy as np
 
 from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, read_only
+from filter.compiled import compiled
 from filter.constraints import WORLD, Constraints
 from filter.measurements import Odometry
 from filter.plane import EPSILON
@@ -41,11 +42,7 @@ class Displacements:
 
     def support(self, robot: Integers, direction: Array) -> Array:
         """Return (r,) upper bounds of direction . u over the robots' displacements u, for directions (r, 2) [m]."""
-        corners = np.einsum("rvm,rm->rv", self.vertices[robot], direction).max(axis=1)
-        length = np.hypot(direction[:, 0], direction[:, 1])
-        rounding = 16 * EPSILON * (np.abs(self.vertices[robot]).sum(axis=2).max(axis=1) + self.slip[robot])
-        farthest = np.minimum(corners, self.reach[robot] * length)
-        return np.asarray(farthest + (self.slip[robot] + rounding) * length)
+        return _support(self.vertices, self.reach, self.slip, robot, direction)
 
     def moved(self, constraints: Constraints) -> Constraints:
         """Return the rows after every robot has moved by any of its displacements.
@@ -56,6 +53,20 @@ class Displacements:
         pair = np.flatnonzero(constraints.i != WORLD)
         growth[pair] += self.support(constraints.i[pair], -constraints.normal[pair])
         return constraints.shifted(growth)
+
+
+@compiled
+def _support(vertices: Array, reach: Array, slip: Array, robot: Integers, direction: Array) -> Array:
+    support = np.empty(len(robot))
+    for k in range(len(robot)):
+        x, y, corners = direction[k, 0], direction[k, 1], vertices[robot[k]]
+        farthest, size = -np.inf, 0.0
+        for m in range(len(corners)):
+            farthest = max(farthest, corners[m, 0] * x + corners[m, 1] * y)
+            size = max(size, abs(corners[m, 0]) + abs(corners[m, 1]))
+        length, rounding = np.hypot(x, y), 16 * EPSILON * (size + slip[robot[k]])
+        support[k] = min(farthest, reach[robot[k]] * length) + (slip[robot[k]] + rounding) * length
+    return support
 
 
 def displacements(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> Displacements:

@@ -6,14 +6,14 @@ Vertices are (e, 2), counter-clockwise; edge k begins at vertex k.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
 
 EPSILON = float(np.finfo(float).eps)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Array, Integers, float]:
     """Cut a box by half-planes, one after the other (Sutherland and Hodgman, 1974).
 
@@ -72,7 +72,15 @@ def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple
     return vertices, edges[:size].copy(), 4 * EPSILON * (count + 4) * largest
 
 
-@njit(cache=True, nogil=True)
+@compiled
+def side_of_box(side: int, lower: Array, upper: Array) -> tuple[float, float, float]:
+    """Return normal and offset of a side of a box, -4 to -1 for right, top, left and bottom."""
+    if side < -2:
+        return (1.0, 0.0, upper[0]) if side == -4 else (0.0, 1.0, upper[1])
+    return (-1.0, 0.0, -lower[0]) if side == -2 else (0.0, -1.0, -lower[1])
+
+
+@compiled
 def hull_of(points: Array) -> Array:
     """Return the corners of the convex hull of (k, 2) points, counter-clockwise (monotone chain; Andrew, 1979)."""
     order = np.argsort(points[:, 1], kind="mergesort")
@@ -92,12 +100,12 @@ def hull_of(points: Array) -> Array:
     return hull[: max(size, 1)].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _turns_left(a: Array, b: Array, c: Array) -> bool:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def area_of(vertices: Array) -> float:
     """Return the area of a simple polygon with (k, 2) counter-clockwise vertices, from 0 on [m2]."""
     total = 0.0
@@ -108,7 +116,7 @@ def area_of(vertices: Array) -> float:
     return max(0.0, total / 2)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def centroid_of(vertices: Array) -> tuple[float, float]:
     """Return the centre of mass; of a polygon without area, the middle of its vertices."""
     count = len(vertices)
@@ -127,7 +135,7 @@ def centroid_of(vertices: Array) -> tuple[float, float]:
     return middle_x + moment_x / (3 * total), middle_y + moment_y / (3 * total)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def span_of(vertices: Array, margin: float) -> tuple[float, float]:
     """Return centre and bound of an arc that contains the direction from the origin to every point; errs outward [rad].
 
@@ -151,7 +159,7 @@ def span_of(vertices: Array, margin: float) -> tuple[float, float]:
     return angles[widest] + gap + half, half + 2 * doubt / nearest + 4e-14
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _distance_of_edges(vertices: Array) -> float:
     """Return the distance of the origin from the nearest edge [m]."""
     nearest = np.inf
@@ -165,7 +173,7 @@ def _distance_of_edges(vertices: Array) -> float:
     return nearest
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> tuple[Mask, float]:
     """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
 
@@ -208,7 +216,7 @@ def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowan
     return keep, spent
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _added_area(normals: Array, offsets: Array, before: int, edge: int, after: int) -> float:
     """Return the area of the triangle that removing an edge adds; infinite where its neighbours do not meet beyond it [m2]."""
     starts, x0, y0 = _meet(normals, offsets, before, edge)
@@ -219,7 +227,7 @@ def _added_area(normals: Array, offsets: Array, before: int, edge: int, after: i
     return abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _meet(normals: Array, offsets: Array, first: int, second: int) -> tuple[bool, float, float]:
     """Return whether a second line turns left of the first by less than half a turn, and where they meet."""
     a, b, c = normals[first, 0], normals[first, 1], offsets[first]

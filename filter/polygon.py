@@ -6,16 +6,14 @@ from them, within `margin` outward: the hull of the vertices, widened by the mar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from filter.angles import AngularIntervals
 from filter.arrays import Array, Floats, Integers, Mask, finite, read_only
 from filter.errors import InvalidInput
-from filter.plane import EPSILON, area_of, centroid_of, cut_box, hull_of, span_of
+from filter.plane import EPSILON, area_of, centroid_of, cut_box, hull_of
 
 # Sides of a box in the order of its edges: right, top, left, bottom.
 SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
@@ -120,36 +118,17 @@ class Polygon:
         """Return whether (..., 2) points satisfy every half-plane."""
         return np.all(np.asarray(points) @ self.normals.T <= self.offsets, axis=-1)
 
-    def mirrored(self, point: Array) -> Polygon:
-        """Return {point - x}: a fixed point (2,) as seen from every x of the polygon; errs outward [m]."""
-        rounding = 4 * EPSILON * float(np.abs(point).sum() + np.abs(self.vertices).max())
-        offsets = self.offsets - self.normals @ point + rounding
-        return Polygon(-self.normals, offsets, point - self.vertices, self.margin + rounding)
-
     def support(self, directions: Floats) -> Array:
         """Return (k,) upper bounds of direction . x over the polygon for (k, 2) directions [m]."""
         wanted = np.asarray(directions, dtype=float)
         rounding = 4 * EPSILON * np.abs(self.vertices).max()
         return (wanted @ self.vertices.T).max(axis=-1) + (self.margin + rounding) * np.abs(wanted).sum(axis=-1)
 
-    def span(self) -> tuple[float, float]:
-        """Return centre and bound of an arc that contains the direction from the origin to every point; errs outward [rad].
-
-        The bound is pi when the origin is inside, or so near that no direction is excluded for sure.
-        """
-        return span_of(self.vertices, self.margin)
-
     def intersection(self, other: Polygon) -> Polygon | None:
         """Return what two polygons have in common, or None when that is proved to be nothing."""
         normals, offsets = np.concatenate([self.normals, other.normals]), np.concatenate([self.offsets, other.offsets])
         kept = clip(normals, offsets, *self.bounds)
         return kept[0] if kept else None
-
-
-def spans_of(polygons: Sequence[Polygon]) -> AngularIntervals:
-    """Return the arcs in which (k) polygons are seen from the origin."""
-    spans = np.array([polygon.span() for polygon in polygons]).reshape(-1, 2)
-    return AngularIntervals(spans[:, 0], spans[:, 1])
 
 
 def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:

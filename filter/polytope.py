@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from filter.arrays import Array, Integers, read_only
-from filter.constraints import WORLD, Constraints
+from filter.constraints import WORLD, Constraints, may_be_broken
 from filter.lp import LinearProgram
-from filter.polygon import Polygon, clip
+from filter.polygons import Cuts, cut_boxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,32 +47,19 @@ class Polytope:
             self.constraints.matrix(len(self.lower)), self.constraints.offset, self.lower.ravel(), self.upper.ravel()
         )
 
-    def of_robot(self, robot: int) -> tuple[Polygon, Integers] | None:
-        """Return a polygon around one robot, from its own rows alone, and the row behind each edge (negative: the box).
+    def may_have_a_broken_row(self) -> bool:
+        """Return whether some row seems to hold nowhere in the box; a look that is cheap, and no proof."""
+        return bool(may_be_broken(self.constraints.columns, self.lower, self.upper))
 
-        None when the rows are proved to exclude one another.
-        """
-        return self._clipped(self.constraints.rows_of(WORLD, robot), *self.box_of_robot(robot))
+    def of_robots(self, robots: Integers) -> Cuts:
+        """Return polygons around (g) robots, each from its own rows alone, and the row behind each edge."""
+        return self._cuts(np.full(len(robots), WORLD), robots, self.lower[robots], self.upper[robots])
 
-    def of_pair(self, i: int, j: int) -> tuple[Polygon, Integers] | None:
-        """Return a polygon around x_j - x_i for i < j, from the pair's rows alone, and the row behind each edge.
-
-        None when the rows are proved to exclude one another.
-        """
-        return self._clipped(self.constraints.rows_of(i, j), *self.box_of_pair(i, j))
-
-    def box_of_robot(self, robot: int) -> tuple[Array, Array]:
-        """Return lower and upper corner (2,) of the box around one robot [m]."""
-        return self.lower[robot], self.upper[robot]
-
-    def box_of_pair(self, i: int, j: int) -> tuple[Array, Array]:
-        """Return lower and upper corner (2,) of a box around x_j - x_i [m]."""
+    def of_pairs(self, i: Integers, j: Integers) -> Cuts:
+        """Return polygons around x_j - x_i for (g) pairs i < j, each from its own rows alone, and the row behind each edge."""
         lower, upper = self.lower[j] - self.upper[i], self.upper[j] - self.lower[i]
-        return np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf)
+        return self._cuts(i, j, np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf))
 
-    def _clipped(self, rows: Integers, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:
-        kept = clip(self.constraints.normal[rows], self.constraints.offset[rows], lower, upper)
-        if kept is None:
-            return None
-        polygon, edges = kept
-        return polygon, np.append(rows, np.arange(-4, 0))[edges]  # a negative edge is itself, counted from the end
+    def _cuts(self, i: Integers, j: Integers, lower: Array, upper: Array) -> Cuts:
+        rows = self.constraints
+        return cut_boxes(rows.normal, rows.offset, rows.groups(i, j), lower, upper)

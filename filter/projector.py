@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 import numpy as np
 
 from filter.arrays import Array
+from filter.budget import IsOver, never
 from filter.exact import Walker, project_exactly
 from filter.lp import LinearProgram
 from filter.projection import HalfPlanes, Projection, Stop
@@ -42,18 +44,29 @@ class Projections:
     """What was found of a program.
 
     Attributes:
-        found: One for each plane; none when the program is empty.
+        found: One for each plane, or None for those that time ran out on; none when the program is empty.
         failures: Where solvers failed.
         contradiction: (r,) multipliers that prove that the program is empty, or None.
     """
 
-    found: tuple[Projection, ...] = ()
+    found: tuple[Projection | None, ...] = ()
     failures: tuple[Failure, ...] = ()
     contradiction: Array | None = None
 
+    @property
+    def complete(self) -> tuple[Projection, ...]:
+        """Those that time did not run out on."""
+        return tuple(each for each in self.found if each is not None)
+
 
 def project_all(
-    program: LinearProgram, planes: Sequence[Array], known: Sequence[HalfPlanes], solvers: Sequence[Solver], stop: Stop
+    program: LinearProgram,
+    planes: Sequence[Array],
+    known: Sequence[HalfPlanes],
+    solvers: Sequence[Solver],
+    stop: Stop,
+    *,
+    is_over: IsOver = never,
 ) -> Projections:
     """Project a program onto several planes.
 
@@ -66,18 +79,19 @@ def project_all(
         known: For each, half-planes that contain the projection anyway.
         solvers: What searches; the first may be "exact", for walks over the vertices.
         stop: When a projection is good enough.
+        is_over: Whether time is up, and the planes that are left have to do without.
     """
     broken = broken_row(program)
     if broken is not None:
         return Projections(contradiction=broken)
     if EXACT not in solvers[:1]:
-        return _searched(program, planes, known, solvers, stop)
+        return _searched(program, planes, known, solvers, stop, is_over=is_over)
     if not _is_walkable(program) and solvers[1:]:
-        return _searched(program, planes, known, solvers[1:], stop)
+        return _searched(program, planes, known, solvers[1:], stop, is_over=is_over)
     walker = Walker(program)
     if walker.contradiction is not None and program.proves_empty(walker.contradiction):
         return Projections(contradiction=walker.contradiction)
-    return _walked(walker, planes, known, solvers, stop)
+    return _walked(walker, planes, known, solvers, stop, is_over=is_over)
 
 
 def _is_walkable(program: LinearProgram) -> bool:
@@ -96,19 +110,26 @@ def broken_row(program: LinearProgram) -> Array | None:
 
 
 def _walked(
-    walker: Walker, planes: Sequence[Array], known: Sequence[HalfPlanes], solvers: Sequence[Solver], stop: Stop
+    walker: Walker,
+    planes: Sequence[Array],
+    known: Sequence[HalfPlanes],
+    solvers: Sequence[Solver],
+    stop: Stop,
+    *,
+    is_over: IsOver,
 ) -> Projections:
     program = walker.program
-    shadows = [walker.shadow(D, stop) for D in planes]
+    shadows = [walker.shadow(D, stop) for D in takewhile(lambda _: not is_over(), planes)]
+    planes, late = planes[: len(shadows)], (None,) * (len(planes) - len(shadows))
     middle = _middle(program, [shadow.points for shadow in shadows if shadow])
     inside = _Interior(middle) if middle is not None else _interior(program, solvers[1:])
     if inside.contradiction is not None:  # a set that is empty by less than a walk can see
         return Projections(contradiction=inside.contradiction)
-    trios = zip(shadows, planes, known, strict=True)
-    found = [shadow and project_exactly(program, shadow, D, inside.point, lines) for shadow, D, lines in trios]
+    trios = zip(shadows, planes, known, strict=False)
+    found = [project_exactly(program, shadow, D, inside.point, lines) if shadow else None for shadow, D, lines in trios]
     lost = [k for k, each in enumerate(found) if each is None]
     if not lost:
-        return Projections(tuple(each for each in found if each), inside.failures)
+        return Projections((*found, *late), inside.failures)
     instead = _searched(program, [planes[k] for k in lost], [known[k] for k in lost], solvers[1:], stop, inside=inside)
     used = {failure.plane: failure for failure in instead.failures if failure.plane is not None}
     failures = list(inside.failures)
@@ -116,7 +137,7 @@ def _walked(
         failed = used.get(place, Failure(place, (), name_of(solvers[1]) if solvers[1:] else None))
         failures.append(Failure(k, (EXACT, *failed.failed), failed.used))
         found[k] = instead.found[place]
-    return Projections(tuple(each for each in found if each), tuple(failures))
+    return Projections((*found, *late), tuple(failures))
 
 
 def _middle(program: LinearProgram, points: Sequence[Array]) -> Array | None:
@@ -155,13 +176,17 @@ def _searched(
     stop: Stop,
     *,
     inside: _Interior | None = None,
+    is_over: IsOver = never,
 ) -> Projections:
     inside = inside or _interior(program, solvers)
     if inside.contradiction is not None:
         return Projections(contradiction=inside.contradiction)
     chain = Chain(program, solvers)
-    found, failures = [], list(inside.failures)
+    found, failures = list[Projection | None](), list(inside.failures)
     for k, (D, lines) in enumerate(zip(planes, known, strict=True)):
+        if is_over():
+            found.append(None)
+            continue
         one, failed, used = _projected(chain, D, lines, inside.point, stop)
         found.append(one)
         failures += [Failure(k, failed, used)] if failed else []

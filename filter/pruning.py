@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from filter.arrays import Integers
+from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
 from filter.constraints import WORLD, Constraints
-from filter.plane import worthy
-from filter.polygon import Polygon
+from filter.plane import centroid_of, worthy
+from filter.polygons import Cuts
 from filter.polytope import Polytope
 
 
@@ -18,28 +19,36 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     whose removal adds the least area. The box stays, and counts nothing.
     """
     rows = polytope.constraints
-    groups, member, sizes = np.unique(np.stack([rows.i, rows.j]), axis=1, return_inverse=True, return_counts=True)
-    member = member.ravel()
-    budgets = np.where(groups[0] == WORLD, rows_per_robot, rows_per_pair)
-    keep = (sizes <= budgets)[member]
-    for group in np.flatnonzero(sizes > budgets):
-        i, j = groups[:, group].tolist()
-        known = polytope.of_robot(j) if i == WORLD else polytope.of_pair(i, j)
-        # Rows that exclude one another all stay, for the next update to name their causes.
-        keep[worthy_edges(*known, int(budgets[group])) if known else polytope.constraints.rows_of(i, j)] = True
+    order, i, j, size = rows.grouped()
+    budget = np.where(i == WORLD, rows_per_robot, rows_per_pair)
+    keep = np.zeros(len(rows), dtype=bool)
+    alone, pairs = np.flatnonzero((size > budget) & (i == WORLD)), np.flatnonzero((size > budget) & (i != WORLD))
+    stays = size <= budget
+    for some, cuts in ((alone, polytope.of_robots(j[alone])), (pairs, polytope.of_pairs(i[pairs], j[pairs]))):
+        keep[worthy_rows(cuts, budget[some])] = True
+        stays[some[cuts.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
+    keep[order[np.repeat(stays, size)]] = True
     return rows.select(keep)
 
 
-def worthy_edges(polygon: Polygon, edges: Integers, budget: int) -> Integers:
-    """Return which `budget` of a polygon's edges to keep so that little area is added.
+def worthy_rows(cuts: Cuts, budget: Integers) -> Integers:
+    """Return which of the polygons' rows to keep so that little area is added: at most so many (g,) of each.
 
-    Greedy: again and again the edge goes whose removal adds least.
-
-    Args:
-        polygon: With edges counter-clockwise.
-        edges: (e,) the row behind each edge; a negative one belongs to the box, stays and counts nothing.
-        budget: How many rows may stay.
+    Greedy: again and again the edge goes whose removal adds least. Sides of the box stay and count nothing.
     """
-    offsets = polygon.offsets - polygon.normals @ polygon.centroid
-    keep, _ = worthy(polygon.normals, offsets, edges >= 0, budget, -1.0)
-    return edges[keep & (edges >= 0)]
+    outlines = cuts.polygons
+    lines = outlines.normals, outlines.offsets
+    keep = _worthy(lines, outlines.vertices, outlines.first, cuts.edges >= 0, budget)
+    return cuts.edges[keep & (cuts.edges >= 0)]
+
+
+@compiled
+def _worthy(lines: tuple[Array, Array], vertices: Array, first: Integers, removable: Mask, budget: Integers) -> Mask:
+    normals, offsets = lines
+    keep = np.ones(len(offsets), dtype=np.bool_)
+    for k in range(len(budget)):
+        begin, end = first[k], first[k + 1]
+        x, y = centroid_of(vertices[begin:end])
+        level = offsets[begin:end] - (normals[begin:end, 0] * x + normals[begin:end, 1] * y)
+        keep[begin:end], _ = worthy(normals[begin:end], level, removable[begin:end], budget[k], -1.0)
+    return keep

@@ -6,40 +6,48 @@ The outer polygon's edges become rows themselves: that is how the team's knowled
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.belief import Event, Fallback, Proof, Region, Sources
+from filter.belief import Event, Fallback, Proof, Sources
+from filter.boxes import proved_boxes
+from filter.budget import IsOver, never
 from filter.constraints import WORLD, Constraints
 from filter.errors import Inconsistent
-from filter.polygon import SIDES, Polygon
+from filter.outlines import Contradiction, Outlined, Outlines, in_order
 from filter.polytope import Polytope
-from filter.projection import Projection, Stop, position
-from filter.projector import Projections, project_all
+from filter.projection import Stop, position
+from filter.projector import project_all
+from filter.region import Regions
 from filter.solvers import Solver
 from filter.window import Window
+from filter.windowed import PROVED
 from filter.windows import project_windows
 
 Scope = Literal["team"] | Window
 
-# Boxes of so many robots are proved at a time.
-TOGETHER = 32
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
 SHARES = (1e-2, 1e-4, 1e-6, 0.0)
 
 
-def regions_at_a_glance(polytope: Polytope) -> tuple[Region, ...]:
+def regions_at_a_glance(polytope: Polytope) -> Regions:
     """Return each robot's region from its own rows alone, without a search: larger, sound, nothing known from inside."""
-    source = polytope.constraints.source
-    regions = []
-    for robot in range(len(polytope.lower)):
-        outer, edges = polytope.of_robot(robot) or (Polygon.box(*polytope.box_of_robot(robot)), np.arange(-4, 0))
-        causes = tuple(source[edge : edge + 1] if edge >= 0 else polytope.source_of_box(robot) for edge in edges)
-        regions.append(Region(outer, None, 0, None, causes))
-    return tuple(regions)
+    return _regions(polytope, Outlines.at_a_glance(polytope, np.arange(len(polytope.lower))))
+
+
+def _regions(polytope: Polytope, outlines: Outlines) -> Regions:
+    """Return outlines as regions, each edge with its causes."""
+    edges, boxes = np.repeat(np.arange(len(outlines.behind)), np.diff(outlines.row_first)), np.zeros(0, dtype=np.int64)
+    if len(polytope.origin):
+        boxes = np.flatnonzero((outlines.behind < 0) & (outlines.behind != PROVED))
+    cause = np.concatenate([polytope.constraints.source[outlines.row], polytope.origin[outlines.outer.owner[boxes]]])
+    edge = np.concatenate([edges, boxes])
+    first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(np.bincount(edge, minlength=len(outlines.behind)))])
+    order = np.argsort(edge, kind="stable")
+    return Regions(outlines.outer, outlines.inner, outlines.searches, outlines.reasons, cause[order], first)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,52 +63,93 @@ class Searched:
     """
 
     polytope: Polytope
-    regions: tuple[Region, ...]
+    regions: Regions
     sources: Sources
     events: tuple[Event, ...]
     proofs: tuple[Proof, ...]
 
 
 def searched(
-    time: float, polytope: Polytope, sources: Sources, solvers: Sequence[Solver], *, stop: Stop, scope: Scope = "team"
+    time: float,
+    polytope: Polytope,
+    sources: Sources,
+    solvers: Sequence[Solver],
+    *,
+    stop: Stop,
+    scope: Scope = "team",
+    is_over: IsOver = never,
+    threads: int | None = None,
 ) -> Searched:
     """Search every robot's region in the whole team's polytope, or in the robot's window of it.
 
     The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
-    is taken; with what was propagated it is always a region, only a larger one.
+    is taken; with what was propagated it is always a region, only a larger one. Those whose regions were refined longest
+    ago come first: when time is up, the others' regions are what is known of them at a glance.
 
     Raises:
         Inconsistent: The polytope is proved to be empty.
     """
-    robots = len(polytope.lower)
+    robots = np.arange(len(polytope.lower))
+    order = np.argsort(sources.time[polytope.origin], kind="stable") if len(polytope.origin) else robots
     if isinstance(scope, Window):
-        projections = project_windows(polytope, scope, solvers, stop)
+        found = project_windows(polytope, scope, solvers, stop, order=order, is_over=is_over, threads=threads)
     else:
-        projections = _in_the_team(polytope, solvers, stop)
-    if projections.contradiction is not None:
-        conflict = sorted(_conflict(polytope, projections.contradiction), key=lambda k: (sources.time[k], k))
-        raise Inconsistent(f"at {time} s", [sources[number] for number in conflict])
-    table, numbers = sources.extended("region", time, np.arange(robots))
-    regions, own, edged = [], [], []
-    proofs: list[Proof] = []
-    for robot, found in enumerate(projections.found):
-        region, edges, proof = _region(polytope, sources, robot, found, int(numbers[robot]))
-        regions.append(region)
-        own.append(edges)
-        edged.append(np.flatnonzero(found.edges >= 0))
-        proofs.append(proof)
+        found = _in_the_team(polytope, order, solvers, stop, is_over)
+    if isinstance(found, Contradiction):
+        conflict = _conflict(polytope, found.multipliers)
+        conflict = conflict[np.argsort(sources.time[conflict], kind="stable")]
+        raise Inconsistent(f"at {time} s", [sources[number] for number in conflict.tolist()])
+    table, numbers = sources.extended("region", time, robots)
+    outlines = found.outlines
+    refined = np.array([reason != "time" or not len(polytope.origin) for reason in outlines.reasons], dtype=bool)
+    own, row = _edges_as_rows(polytope, outlines, numbers)
+    lower, upper, boxes = proved_boxes(polytope, table, outlines.outer, (own, row), np.flatnonzero(refined))
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
-    lower, upper, boxes = _boxes(polytope, table, regions, own, edged)
-    smaller = Polytope(Constraints.concatenate([pairs, *own]), lower, upper, numbers)
-    events = tuple(Fallback(each.plane, each.failed, each.used) for each in projections.failures)
-    return Searched(smaller, tuple(regions), table, events, (*proofs, *boxes))
+    origin = np.where(refined, numbers, polytope.origin if len(polytope.origin) else numbers)
+    smaller = Polytope(Constraints.concatenate([pairs, own]), lower, upper, origin)
+    events = tuple(Fallback(each.plane, each.failed, each.used) for each in found.failures)
+    return Searched(smaller, _regions(polytope, outlines), table, events, (_proof(polytope, sources, outlines), boxes))
 
 
-def _in_the_team(polytope: Polytope, solvers: Sequence[Solver], stop: Stop) -> Projections:
+def _in_the_team(
+    polytope: Polytope, order: Integers, solvers: Sequence[Solver], stop: Stop, is_over: IsOver
+) -> Outlined | Contradiction:
     robots, rows = len(polytope.lower), polytope.constraints
-    own = [rows.rows_of(WORLD, robot) for robot in range(robots)]
-    known = [(rows.normal[each], rows.offset[each]) for each in own]
-    return project_all(polytope.program(), [position(robot, robots) for robot in range(robots)], known, solvers, stop)
+    own = [rows.rows_of(WORLD, robot) for robot in order.tolist()]
+    known, planes = [(rows.normal[each], rows.offset[each]) for each in own], [position(robot, robots) for robot in order]
+    found = project_all(polytope.program(), planes, known, solvers, stop, is_over=is_over)
+    if found.contradiction is not None:
+        return Contradiction(found.contradiction)
+    reached = np.array([each is not None for each in found.found], dtype=bool)
+    pieces = [
+        (order[reached], Outlines.of(polytope, order[reached], found.complete)),
+        (order[~reached], Outlines.at_a_glance(polytope, order[~reached], "time")),
+    ]
+    failures = (replace(each, plane=None if each.plane is None else int(order[each.plane])) for each in found.failures)
+    return Outlined(in_order(pieces), tuple(failures))
+
+
+def _edges_as_rows(polytope: Polytope, outlines: Outlines, numbers: Integers) -> tuple[Constraints, Integers]:
+    """Return the outlines' edges as rows, and which row (e,) each edge is; -1 for the sides of boxes.
+
+    Args:
+        polytope: What the outlines are of.
+        outlines: (n) of all robots.
+        numbers: (n,) the sources of edges that were proved anew; rows that were known keep theirs.
+    """
+    is_row = (outlines.behind >= 0) | (outlines.behind == PROVED)
+    robot, behind = outlines.outer.owner[is_row], outlines.behind[is_row]
+    source = numbers[robot]
+    source[behind >= 0] = polytope.constraints.source[behind[behind >= 0]]
+    normals, offsets = outlines.outer.normals[is_row], outlines.outer.offsets[is_row]
+    rows = Constraints(np.full(len(robot), WORLD), robot, normals, offsets, source)
+    return rows, np.where(is_row, np.cumsum(is_row) - 1, -1)
+
+
+def _proof(polytope: Polytope, sources: Sources, outlines: Outlines) -> Proof:
+    """Return why every edge holds."""
+    outer, claim = outlines.outer, np.repeat(np.arange(len(outlines.behind)), np.diff(outlines.row_first))
+    return Proof(polytope, sources, outer.owner, outer.normals, outer.offsets, claim, outlines.row, outlines.multiplier)
 
 
 def _conflict(polytope: Polytope, multipliers: Array) -> Integers:
@@ -109,85 +158,3 @@ def _conflict(polytope: Polytope, multipliers: Array) -> Integers:
     kept = (np.where(multipliers > share * multipliers.max(), multipliers, 0) for share in SHARES)
     proof = next((weights for weights in kept if program.proves_empty(weights)), multipliers)
     return np.unique(polytope.constraints.source[proof > 0])
-
-
-def _region(
-    polytope: Polytope, sources: Sources, robot: int, found: Projection, number: int
-) -> tuple[Region, Constraints, Proof]:
-    """Return a projection as a region with its causes, its edges as rows, and its edges' proofs."""
-    rows = polytope.constraints.rows_of(WORLD, robot)
-    known = polytope.constraints.source[rows]
-    claim, row, weight = _claims(found, rows)
-    cuts = np.searchsorted(claim, np.arange(1, len(found.edges)))
-    box = polytope.source_of_box(robot)
-    causes = tuple(np.unique(part) if len(part) else box for part in np.split(polytope.constraints.source[row], cuts))
-    outer, whose, fixed = found.outer, np.full(len(found.edges), robot), np.flatnonzero(found.edges >= 0)
-    proof = Proof(polytope, sources, whose, outer.normals, outer.offsets, claim, row, weight)
-    source = np.append(np.full(found.searches, number), known)[found.edges[fixed]]
-    edges = Constraints.on_robot(robot, outer.normals[fixed], outer.offsets[fixed], source)
-    return Region(outer, found.inner, found.searches, found.reason, causes), edges, proof
-
-
-def _claims(found: Projection, own: Integers) -> tuple[Integers, Integers, Array]:
-    """Return which edge (m,) is proved by which row (m,) with which weight (m,); what was known proves itself."""
-    edge_of = np.full(found.searches + len(own), -1)
-    fixed = np.flatnonzero(found.edges >= 0)
-    edge_of[found.edges[fixed]] = fixed
-    weights, itself = found.weights, edge_of[found.searches :]
-    claim = np.concatenate([edge_of[weights.direction], itself])
-    row, weight = np.concatenate([weights.row, own]), np.concatenate([weights.weight, np.ones(len(own))])
-    order = np.argsort(claim, kind="stable")
-    order = order[np.searchsorted(claim[order], 0) :]  # without the directions and rows that are no edge
-    return claim[order], row[order], weight[order]
-
-
-def _boxes(
-    polytope: Polytope, sources: Sources, regions: Sequence[Region], own: Sequence[Constraints], edged: Sequence[Integers]
-) -> tuple[Array, Array, list[Proof]]:
-    """Return lower and upper corners (n, 2) of proved boxes around the regions, within the polytope's, and the proofs.
-
-    Args:
-        polytope: Its box is where each proof starts.
-        sources: The table of the rows.
-        regions: (n) the regions.
-        own: (n) the regions' edges as rows.
-        edged: (n) the edge of the outer polygon that each of these rows is.
-    """
-    lower, upper, proofs = polytope.lower.copy(), polytope.upper.copy(), []
-    for first in range(0, len(regions), TOGETHER):
-        robots = np.arange(first, min(first + TOGETHER, len(regions)))
-        rows = Constraints.concatenate(own[first : first + TOGETHER])
-        multipliers = np.zeros((len(robots), 4, len(rows)))
-        for k, robot in enumerate(robots.tolist()):
-            multipliers[k][:, rows.j == robot] = _of_extreme_vertices(regions[robot].outer)[:, edged[robot]]
-        weights = multipliers.reshape(4 * len(robots), len(rows))
-        among = Constraints(rows.i, rows.j - first, rows.normal, rows.offset, rows.source)
-        program = Polytope(among, polytope.lower[robots], polytope.upper[robots]).program()
-        bounds = program.certified_bounds(np.kron(np.eye(len(robots)), SIDES), weights)
-        high = np.minimum(upper[robots], bounds.reshape(-1, 4)[:, :2])
-        low = np.maximum(lower[robots], -bounds.reshape(-1, 4)[:, 2:])
-        good = robots[(low <= high).all(axis=1)]  # otherwise it is empty, which is for the next update to prove and to explain
-        lower[good], upper[good] = low[good - first], high[good - first]
-        claim, row = np.nonzero(weights)
-        whole, normals = Polytope(rows, polytope.lower, polytope.upper), np.tile(SIDES, (len(robots), 1))
-        proofs.append(Proof(whole, sources, np.repeat(robots, 4), normals, bounds, claim, row, weights[claim, row]))
-    return lower, upper, proofs
-
-
-def _of_extreme_vertices(outer: Polygon) -> Array:
-    """Return (4, e) candidates for the multipliers of a polygon's extents: of the two edges that meet in an extreme vertex."""
-    corner = np.argmax(SIDES @ outer.vertices.T, axis=1)
-    first, second = outer.normals[corner - 1], outer.normals[corner]
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        turn = _cross(first, second)
-        shares = np.stack([_cross(SIDES, second) / turn, _cross(first, SIDES) / turn])
-    shares = np.where(np.isfinite(shares), np.maximum(shares, 0), 0)
-    multipliers = np.zeros((4, len(outer.offsets)))
-    sides = np.arange(4)
-    multipliers[sides, corner - 1] = shares[0]
-    multipliers[sides, corner] = shares[1]
-    return multipliers
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -9,8 +9,9 @@ import numpy as np
 
 from filter.angles import AngularIntervals
 from filter.arrays import Array, Mask, read_only
-from filter.belief import Region, Rejected, Source
+from filter.belief import Rejected, Source
 from filter.hypotheses import Hypotheses, polygon_of
+from filter.region import Region
 from filter.trust import Trust
 from filter.voting import Votes
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -11,8 +11,10 @@ import numpy as np
 from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, number, whole
 from filter.belief import Belief, Source, Sources
+from filter.budget import Budget, IsOver, never
 from filter.constraints import Constraints
 from filter.errors import Inconsistent, InvalidInput
+from filter.headings import narrowed_headings
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.motion import Displacements, displacements, turned_headings
 from filter.polygon import SIDES, Polygon
@@ -25,8 +27,6 @@ from filter.rejection import agreeing
 from filter.sensing import (
     TANGENT_SPACING,
     bearing_rows,
-    heading_arcs_of_bearing,
-    heading_arcs_of_compass,
     on_robots,
     range_rows,
     spans_of_targets,
@@ -37,6 +37,13 @@ from filter.team import Team
 from filter.window import Window
 
 Policy = Literal["raise", "reject"]
+
+
+PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
+
+
+def _unheard(phase: str) -> None:
+    """Let a phase begin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +63,10 @@ class SetMembershipFilter:
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief.
         fallbacks: Solvers that are asked in turn where the first one's answers are no good.
+        budget: How long an update may take, or None; robots whose turn has not come keep their propagated regions.
+        on_phase: Told the name of each phase of a step as it begins, one of PHASES; for whoever wants to take the time.
+        threads: How many windows are projected at a time, from 1 on; None for as many as there are cores. The result
+            does not depend on it.
 
     Raises:
         InvalidInput: No such solver is installed, no such policy, a budget is too small, or the spacing out of its range.
@@ -70,6 +81,9 @@ class SetMembershipFilter:
     scope: Scope = "team"
     policy: Policy = "raise"
     fallbacks: tuple[Solver, ...] = ("piqp", "highs")
+    budget: Budget | None = None
+    threads: int | None = None
+    on_phase: Callable[[str], object] = _unheard
 
     def __post_init__(self) -> None:
         check_solver(self.solver, [EXACT])
@@ -79,6 +93,10 @@ class SetMembershipFilter:
             raise InvalidInput('a scope, "team" or a Window', repr(self.scope))
         if self.policy not in get_args(Policy):
             raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", repr(self.policy))
+        if self.budget is not None and not isinstance(self.budget, Budget):
+            raise InvalidInput("a Budget, or None", repr(self.budget))
+        if self.threads is not None:
+            whole("threads", self.threads, low=1)
         whole("rows_per_robot", self.rows_per_robot, low=4)
         whole("rows_per_pair", self.rows_per_pair, low=4)
         number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2)
@@ -128,6 +146,7 @@ class SetMembershipFilter:
             InvalidInput: The odometry ends at another time, or names an unknown robot.
             Inconsistent: A robot has left the arena for sure.
         """
+        self.on_phase("predict")
         self.team.check_motion(belief.time, time, odometry)
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
@@ -149,16 +168,33 @@ class SetMembershipFilter:
             Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
                 With the policy "reject": and none of these measurements is in the conflict.
         """
+        self.on_phase("headings")
         records = self.team.checked(belief.time, measurements)
+        is_over = self.budget.begin() if self.budget else never
         if self.policy == "raise":
-            return self._updated(belief, records)
-        return agreeing(lambda kept: self._updated(belief, kept), records)
+            return self._updated(belief, records, is_over)
+        return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
 
-    def _updated(self, belief: Belief, measurements: tuple[Measurement, ...]) -> Belief:
+    def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
+        self.on_phase("headings")
         sources, numbered = _numbered(belief.sources, measurements)
-        headings = self._headings(belief, measurements)
-        polytope = self._pruned(self._merged(belief.polytope, headings, numbered))
-        found = searched(belief.time, polytope, sources, self.solvers, stop=self.stop, scope=self.scope)
+        headings = narrowed_headings(belief, measurements, self.team.landmarks)
+        self.on_phase("merge")
+        merged = self._merged(belief.polytope, headings, numbered)
+        self.on_phase("prune")
+        polytope = self._pruned(merged)
+        self.on_phase("project")
+        found = searched(
+            belief.time,
+            polytope,
+            sources,
+            self.solvers,
+            stop=self.stop,
+            scope=self.scope,
+            is_over=is_over,
+            threads=self.threads,
+        )
+        self.on_phase("forget")
         pruned = self._pruned(found.polytope)
         belief = Belief(belief.time, pruned, headings, found.regions, found.sources, found.events, found.proofs)
         return belief.compact()
@@ -183,21 +219,6 @@ class SetMembershipFilter:
             robot = int(outside[0])
             raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
         return lower, upper
-
-    def _headings(self, belief: Belief, measurements: Sequence[Measurement]) -> AngularIntervals:
-        """Narrow the headings by compasses, then by bearings to targets whose direction is roughly known."""
-        arcs: list[AngularIntervals] = []
-        sources: list[Source] = []
-        for record in measurements:
-            if isinstance(record, Compass):
-                arcs.append(heading_arcs_of_compass(record))
-                sources += [Source("compass", record.time, robot) for robot in record.robot.tolist()]
-            elif isinstance(record, Bearing):
-                spans = spans_of_targets(belief.polytope, self.team.landmarks, record.robot, record.target)
-                arcs.append(heading_arcs_of_bearing(record, spans))
-                pairs = zip(record.robot.tolist(), record.target.tolist(), strict=True)
-                sources += [Source("bearing", record.time, robot, target) for robot, target in pairs]
-        return _narrowed(belief.headings, arcs, sources)
 
     def _merged(self, polytope: Polytope, headings: AngularIntervals, numbered: list[tuple[Measurement, Integers]]) -> Polytope:
         """Add the rows of all bearings, then those of all ranges, whose directions the bearings have narrowed."""
@@ -233,40 +254,3 @@ def _numbered(sources: Sources, measurements: Sequence[Measurement]) -> tuple[So
             sources, numbers = sources.extended(kind, record.time, record.robot, record.target)
             numbered.append((record, numbers))
     return sources, numbered
-
-
-def _narrowed(headings: AngularIntervals, arcs: list[AngularIntervals], sources: list[Source]) -> AngularIntervals:
-    """Intersect headings with arcs, the narrowest first, so that the order they come in makes no difference."""
-    centre = np.concatenate([each.centre for each in arcs] or [np.zeros(0)])
-    bound = np.concatenate([each.bound for each in arcs] or [np.zeros(0)])
-    order = np.lexsort((centre, bound))
-    every = AngularIntervals(centre[order], bound[order])
-    whose = np.array([sources[k].robot for k in order], dtype=np.int64)
-    now = headings
-    for turn in _turns(whose):
-        robots = whose[turn]
-        narrowed = now[robots].intersection(every[turn])
-        if narrowed.empty.any():
-            last = int(turn[np.flatnonzero(narrowed.empty)[0]])
-            measured = np.flatnonzero((whose == whose[last]) & (np.arange(len(whose)) <= last))
-            raise _disagreement(headings[whose[[last]]], every[measured], [sources[order[k]] for k in measured])
-        now = now.replaced(robots, narrowed)
-    return now
-
-
-def _disagreement(known: AngularIntervals, measured: AngularIntervals, sources: list[Source]) -> Inconsistent:
-    """Return the error that names the arc which excludes the last measured one; if only all together do, then all."""
-    last = sources[-1]
-    every = AngularIntervals(np.append(known.centre, measured.centre[:-1]), np.append(known.bound, measured.bound[:-1]))
-    named = [Source("heading", last.time, last.robot), *sources[:-1]]
-    apart = np.flatnonzero(every.intersection(measured[np.full(len(every), -1)]).empty)
-    return Inconsistent(f"at {last.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), last])
-
-
-def _turns(robot: Integers) -> Iterator[Integers]:
-    """Yield indices into (k,) robots so that each robot comes at most once in a turn, and every index once in all."""
-    left = np.arange(len(robot))
-    while len(left):
-        first = np.unique(robot[left], return_index=True)[1]
-        yield left[first]
-        left = np.delete(left, first)

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from filter.arrays import Array, Integers
+from filter.compiled import compiled
 from filter.plane import area_of, worthy
 from filter.projection import Reason
 from filter.simplex import (
@@ -48,7 +48,7 @@ WORTHLESS = 1e-12
 # What is divided by is never smaller.
 SMALLEST = 1e-100
 # An edge whose shadow is shorter than this share of the plane's unit has none.
-NO_SHADOW = 1e-11
+NO_SHADOW = 1e-9
 
 
 class Trace(NamedTuple):
@@ -69,7 +69,7 @@ class Trace(NamedTuple):
     filled: Integers
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def no_trace(length: int, variables: int) -> Trace:
     """Return a trace with room for so many entries."""
     return Trace(
@@ -81,7 +81,7 @@ def no_trace(length: int, variables: int) -> Trace:
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, trace: Trace, limit: int) -> int:
     """Turn the objective from `first` towards `second`, through an angle, keeping the basis optimal; return how it ended.
 
@@ -124,7 +124,7 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
     return LOST
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
     """Return which price is the first to reach zero as the direction turns on; negative when none ever does."""
     chosen, best_rate, best_price = -1, 0.0, 1.0
@@ -137,7 +137,7 @@ def _next_to_leave(across: Array, up: Array, x: float, y: float) -> int:
     return chosen
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _first_to_block(basis: Basis, rates: Array) -> int:
     """Return the row that is met first; of rows met at the same place, the steepest. Negative when lost: there is none."""
     chosen = -1
@@ -154,7 +154,7 @@ def _first_to_block(basis: Basis, rates: Array) -> int:
     return chosen
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _strayed(basis: Basis) -> bool:
     """Return whether the vertex violates a row, or is none any more: a bound from there would be right, but far off."""
     for slack in basis.slack:  # noqa: SIM110
@@ -163,7 +163,7 @@ def _strayed(basis: Basis) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _keep(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: float) -> None:
     at = trace.filled[0]
     if at < len(trace.normal):
@@ -174,7 +174,7 @@ def _keep(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: flo
         trace.filled[0] = at + 1
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _keep_between(trace: Trace, basis: Basis, across: Array, up: Array, x: float, y: float, until: float) -> None:
     """Keep directions between two edges, so that no two neighbours are more than a right angle apart."""
     pieces = int(np.ceil(until / (np.pi / 2) - 1e-9))
@@ -183,7 +183,7 @@ def _keep_between(trace: Trace, basis: Basis, across: Array, up: Array, x: float
         _keep(trace, basis, across, up, x * cosine - y * sine, x * sine + y * cosine)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def simplified(normals: Array, vertices: Array, unit: float, goal: tuple[float, float, int]) -> tuple[Integers, int]:
     """Return the edges to keep of a shadow, for it to grow by little, and what decided, a place in `REASONS`.
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
 
 MOST = 4  # non-zeros in a row: two coordinates of two robots
 # Rows are moved outward by up to twice this [share of the box], each by another amount, so that no two vertices coincide.
@@ -26,7 +26,7 @@ MENDED_AFTER = 32
 FOUND, EMPTY, LOST = 0, 1, 2  # how a walk ends
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def spread(k: Any) -> Any:
     """Return a number in [0, 1) for each whole number k, evenly spread, no two alike: multiples of the golden ratio."""
     return (k * 0.6180339887498949) % 1.0
@@ -64,7 +64,7 @@ class Basis(NamedTuple):
     slack: Array
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def corner(rows: Rows, objective: Array) -> Basis:
     """Return the corner of the box that is farthest in a direction; it need not satisfy the other rows."""
     variables = len(objective)
@@ -81,7 +81,7 @@ def corner(rows: Rows, objective: Array) -> Basis:
     return basis
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def locate(rows: Rows, basis: Basis) -> None:
     """Compute the point and the slacks afresh."""
     variables = len(basis.basic)
@@ -95,7 +95,7 @@ def locate(rows: Rows, basis: Basis) -> None:
         basis.slack[basis.basic[k]] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def along(rows: Rows, i: int, vector: Array) -> float:
     """Return row i times a vector."""
     total = 0.0
@@ -104,7 +104,7 @@ def along(rows: Rows, i: int, vector: Array) -> float:
     return total
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def combination(rows: Rows, basis: Basis, i: int, weights: Array) -> None:
     """Write row i as a combination of the basic rows."""
     weights[:] = 0.0
@@ -115,7 +115,7 @@ def combination(rows: Rows, basis: Basis, i: int, weights: Array) -> None:
                 weights[k] += value * basis.inverse[j, k]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def walk(basis: Basis, k: int, step: float, rates: Array) -> None:
     """Leave row k along its edge, a step far, on which the slacks shrink at the given rates."""
     for j in range(len(basis.point)):
@@ -124,7 +124,7 @@ def walk(basis: Basis, k: int, step: float, rates: Array) -> None:
         basis.slack[i] -= step * rates[i]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
     """Write how fast each slack shrinks along the edge on which row k is left."""
     edge = -basis.inverse[:, k]
@@ -132,7 +132,7 @@ def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
         rates[i] = along(rows, i, edge)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
     """Put a row, written as a combination of the basic ones, in the place of the k-th of them."""
     for j in range(len(basis.basic)):
@@ -147,7 +147,7 @@ def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
     basis.slack[entering] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def exchange_prices(prices: Array, k: int, weights: Array) -> None:
     """Change the weights of the basic rows in an objective accordingly."""
     share = prices[k] / weights[k]
@@ -156,7 +156,7 @@ def exchange_prices(prices: Array, k: int, weights: Array) -> None:
     prices[k] = share
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def mend(rows: Rows, basis: Basis) -> None:
     """Take the rounding of many exchanges out of the inverse, by a step of Newton's method (Schulz, 1933), and of the point."""
     variables = len(basis.basic)
@@ -175,7 +175,7 @@ def mend(rows: Rows, basis: Basis) -> None:
     locate(rows, basis)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tuple[int, int]:
     """Walk, by the dual simplex method, from a basis with prices >= 0 to one whose vertex satisfies every row.
 

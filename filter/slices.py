@@ -12,10 +12,10 @@ by other half-planes is replaced by the smallest such polygon around it. Every o
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from filter.angles import ROUNDING
 from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
 from filter.plane import EPSILON, cut_box, span_of
 
 COUNT = 24  # directions; 15 degrees between two cost 1 to 2 % of a polygon's area
@@ -36,7 +36,7 @@ TANGENT_SPACING = np.pi / 12  # [rad]
 HAIR = 1e-6  # of a cell
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def sector_supports(centre: float, bound: float, nearest: float, farthest: float) -> Array:
     """Return (COUNT,) supports of the trapezoid around a sector, or of the disc where that reaches less far [m].
 
@@ -58,7 +58,7 @@ def sector_supports(centre: float, bound: float, nearest: float, farthest: float
     return supports
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, aside: Array) -> None:
     """Move slices by one robot's odometry, in place: the trapezoid of each slice's own arc is added, its arc turned.
 
@@ -89,7 +89,7 @@ def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, as
         high[k] += turn[1] + ROUNDING * (1 + abs(high[k]))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]:
     """Cut one polygon by half-planes, in place.
 
@@ -114,7 +114,7 @@ def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]
     return vertices, margin
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _narrow(low: Array, high: Array, k: int, centre: float, bound: float) -> bool:
     """Cut a slice's arc down to what it shares with another arc, in place; return whether there is anything."""
     middle, half = (low[k] + high[k]) / 2, (high[k] - low[k]) / 2
@@ -127,7 +127,7 @@ def _narrow(low: Array, high: Array, k: int, centre: float, bound: float) -> boo
     return low[k] <= high[k]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def narrow(low: Array, high: Array, centre: float, bound: float) -> Mask:
     """Cut the arcs of slices down to one arc, in place; return which slices are left."""
     left = np.ones(len(low), dtype=np.bool_)
@@ -136,7 +136,7 @@ def narrow(low: Array, high: Array, centre: float, bound: float) -> Mask:
     return left
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _sector_rows(place: Array, centre: float, bound: float, nearest: float, farthest: float) -> tuple[Array, Array]:
     """Return half-planes around all x from which a place is in a sector: tangents of its far side, sides, near chord."""
     tangents = max(1, int(np.ceil(2 * min(bound, np.pi) / TANGENT_SPACING)))
@@ -160,7 +160,7 @@ def _sector_rows(place: Array, centre: float, bound: float, nearest: float, fart
     return normals, offsets
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def see_place(low: Array, high: Array, reach: Array, place: Array, sector: Array) -> Mask:
     """Cut slices down to the poses from which a known place (2,) is seen in a sector, in place; return which are left.
 
@@ -183,7 +183,7 @@ def see_place(low: Array, high: Array, reach: Array, place: Array, sector: Array
     return left
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) -> Mask:
     """Cut slices down to the poses from which a body is seen in a sector, in place; return which are left.
 
@@ -208,7 +208,7 @@ def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) 
     return left
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
     """Return (COUNT,) supports around every place that is in the sector of a pose of these slices [m]."""
     farthest = np.full(COUNT, -np.inf)
@@ -220,7 +220,7 @@ def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
     return farthest
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def stay_within(reach: Array, body: Array) -> Mask:
     """Cut slices down to a polygon given by its supports (COUNT,), in place; return which are left."""
     left = np.ones(len(reach), dtype=np.bool_)
@@ -232,7 +232,7 @@ def stay_within(reach: Array, body: Array) -> Mask:
     return left
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def regrid(group: Integers, low: Array, high: Array, reach: Array, cells: int) -> tuple[Integers, Array, Array, Array]:
     """Sort slices into the cells of a grid of headings: in each group at most one slice a cell, the hull of what is in it.
 

@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from filter.arrays import Array, Integers, whole
-from filter.constraints import WORLD, Constraints
+from filter.compiled import compiled
+from filter.constraints import WORLD, Columns, Constraints
 from filter.plane import EPSILON
 from filter.simplex import OUTWARD, Rows, spread
 
-TeamRows = tuple[Integers, Integers, Array, Array]  # i, j, normal, offset of all constraints
 Boxes = tuple[Array, Array]  # lower and upper corners (n, 2) of all robots
 
 
@@ -86,7 +85,7 @@ def links(rows: Constraints, robots: int) -> Links:
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def members_of(robot: int, hops: int, most: int, near: Integers, near_first: Integers, place: Integers) -> Integers:
     """Return a robot and those at most so many pairs away from it, the nearest first, at most so many in all.
 
@@ -111,7 +110,7 @@ def members_of(robot: int, hops: int, most: int, near: Integers, near_first: Int
     return members[:count].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rows_in(members: Integers, place: Integers, who: Links) -> Integers:
     """Return the rows on the members alone and on pairs of members."""
     total = 0
@@ -151,8 +150,16 @@ class Program(NamedTuple):
     radius: Array
 
 
-@njit(cache=True, nogil=True)
-def program_of(members: Integers, place: Integers, number: Integers, team: TeamRows, box: Boxes) -> Program:
+@compiled
+def middle_and_reach(low: float, high: float) -> tuple[float, float]:
+    """Return the middle of an interval and how far it reaches from there, rounded up."""
+    middle = (low + high) / 2
+    reach = max(high - middle, middle - low)
+    return middle, reach * (1 + 4 * EPSILON) if reach > 0 else 0.0
+
+
+@compiled
+def program_of(members: Integers, place: Integers, number: Integers, team: Columns, box: Boxes) -> Program:
     """Return the program of some rows on the members.
 
     Args:
@@ -167,11 +174,7 @@ def program_of(members: Integers, place: Integers, number: Integers, team: TeamR
     centre, radius = np.empty(variables), np.empty(variables)
     for k in range(len(members)):
         for m in range(2):
-            low, high = box[0][members[k], m], box[1][members[k], m]
-            middle = (low + high) / 2
-            reach = max(high - middle, middle - low)
-            centre[2 * k + m] = middle
-            radius[2 * k + m] = reach * (1 + 4 * EPSILON) if reach > 0 else 0.0
+            centre[2 * k + m], radius[2 * k + m] = middle_and_reach(box[0][members[k], m], box[1][members[k], m])
     column, value = np.zeros((len(number) + 2 * variables, 4), dtype=np.int64), np.zeros((len(number) + 2 * variables, 4))
     limit, size, live, count = np.empty(len(number) + 2 * variables), np.empty(len(number)), np.empty_like(number), 0
     for row in number:

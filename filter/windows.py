@@ -1,202 +1,133 @@
-"""Every robot projected in its window: compiled from the rows of the team to certified edges."""
+"""Every robot projected in its window, on as many threads as there are; what each finds does not depend on their number."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from filter.arrays import Array, Integers
+from filter.budget import IsOver, never
+from filter.compiled import compiled
 from filter.constraints import WORLD, Constraints
-from filter.plane import EPSILON, cut_box
-from filter.polygon import SIDES, Polygon
+from filter.outlines import Contradiction, Outlined, Outlines, in_order
+from filter.plane import side_of_box
+from filter.polygons import Polygons, joined
 from filter.polytope import Polytope
-from filter.projection import Projection, Stop, Weights, position
+from filter.projection import Stop, position
 from filter.projector import EXACT, Failure, Projections, broken_row, project_all
-from filter.shadow import BEYOND, LONGEST, LONGEST_EACH, REASONS, SMALLEST, WORTHLESS, Trace, no_trace, simplified, turn
-from filter.simplex import FOUND, become_feasible, corner, spread
+from filter.shadow import REASONS
 from filter.solvers import Solver, name_of
-from filter.window import Boxes, Links, Program, TeamRows, Window, links, members_of, program_of, rows_in
+from filter.window import Boxes, Links, Window, links, members_of, rows_in
+from filter.windowed import PROVED, Task, Windowed, project_window
 
-# What underflow can take from some hundred products.
-TINY = 1e-300
+# So many windows are projected between two looks at the clock.
+TOGETHER = 64
 
 
-class Windowed(NamedTuple):
-    """What was found in one window.
+class Sheet(NamedTuple):
+    """What was found in some windows, end to end: the columns of `Outlines`.
 
     Attributes:
-        vertices: (e, 2) of the outer polygon; none when the walk was lost or the window is empty [m].
-        edges: (e,) the shadow's edge behind each, from `normals` on the robot's own rows, negative the sides of its box.
-        margin: The polygon's [m].
-        normals: (s, 2) of the shadow's edges that were kept.
-        offsets: (s,) certified [m].
-        rows: (s, v) the rows that prove each, -1 for none.
-        prices: (s, v) their multipliers.
-        why: What decided which edges were kept, a place in `REASONS`.
+        normals: (e, 2)
+        offsets: (e,) [m].
+        vertices: (e, 2) [m].
+        margin: (k,) [m].
+        first: (k + 1,) where the edges of each begin; one without edges was lost.
+        behind: (e,)
+        row: (m,) with room to spare at its end.
+        multiplier: (m,)
+        row_first: (e + 1,)
+        searches: (k,)
+        why: (k,) a place in `REASONS`.
     """
 
-    vertices: Array
-    edges: Integers
-    margin: float
     normals: Array
     offsets: Array
-    rows: Integers
-    prices: Array
-    why: int
+    vertices: Array
+    margin: Array
+    first: Integers
+    behind: Integers
+    row: Integers
+    multiplier: Array
+    row_first: Integers
+    searches: Integers
+    why: Integers
 
 
-@njit(cache=True, nogil=True)
-def certified(normal: Array, prices: Array, number: Integers, members: tuple[Integers, Array, Array], team: TeamRows) -> float:
-    """Return an offset that holds in exact arithmetic for a direction of the first member's position [m].
-
-    The same bound as `LinearProgram.certified_bounds`, for prices >= 0 of a few rows.
-
-    Args:
-        normal: (2,).
-        prices: (v,) of the rows.
-        number: (v,) which constraints; -1 for none.
-        members: The place of each robot (n,), and centre and radius (v,) of the members' coordinates.
-        team: i, j, normal and offset of all constraints.
-    """
-    (place, centre, radius), (i, j, normals, offsets) = members, team
-    residual, size = np.zeros(len(centre)), np.zeros(len(centre))
-    total, doubt, operations = 0.0, 0.0, 2 * (len(number) + len(centre) + 8) * EPSILON
-    for m in range(2):
-        residual[m], size[m] = normal[m], abs(normal[m])
-    for k in range(len(number)):
-        row, price = number[k], prices[k]
-        if row < 0 or not 0 < price < np.inf:
-            continue
-        slack, magnitude = offsets[row], abs(offsets[row])
-        for side in range(2):
-            robot = j[row] if side == 0 else i[row]
-            if robot >= 0:
-                for m in range(2):
-                    coefficient = normals[row, m] if side == 0 else -normals[row, m]
-                    at = 2 * place[robot] + m
-                    slack -= coefficient * centre[at]
-                    magnitude += abs(coefficient * centre[at])
-                    residual[at] -= price * coefficient
-                    size[at] += abs(price * coefficient)
-        total += price * slack
-        doubt += 16 * EPSILON * price * magnitude + operations * price * abs(slack)
-    for at in range(len(centre)):
-        total += abs(residual[at]) * radius[at]
-        doubt += operations * size[at] * radius[at]
-    along = normal[0] * centre[0] + normal[1] * centre[1]
-    doubt += 16 * EPSILON * (abs(normal[0] * centre[0]) + abs(normal[1] * centre[1]) + abs(total))
-    return (along + total) + doubt * (1 + 1e-9) + TINY * (1 + radius.sum())
-
-
-class Task(NamedTuple):
-    """What all windows of a team have in common.
-
-    Attributes:
-        hops: How far a window reaches.
-        most: How many robots it may have.
-        who: Who has rows with whom.
-        team: i, j, normal and offset of all constraints.
-        box: Lower and upper corners (n, 2) of all robots.
-        goal: As in `Stop`: performance ratio, area gap and greatest number of edges.
-    """
-
-    hops: int
-    most: int
-    who: Links
-    team: TeamRows
-    box: Boxes
-    goal: tuple[float, float, int]
-
-
-@njit(cache=True, nogil=True)
-def walked(program: Program) -> tuple[bool, Trace]:
-    """Return whether a walk around the first robot's shadow came through, and what it saw; in units of the robot's box."""
-    variables = len(program.centre)
-    first, second, start, prices = np.zeros(variables), np.zeros(variables), np.empty(variables), np.empty(variables)
-    first[0], second[1] = min(1.0, program.radius[0] * 1e300), min(1.0, program.radius[1] * 1e300)
-    for k in range(variables):
-        prices[k] = 0.5 + 0.5 * spread(k + 1)
-        start[k] = prices[k] if k % 2 else -prices[k]
-    basis, nothing, trace = corner(program.rows, start), no_trace(0, variables), no_trace(LONGEST, variables)
-    limit = LONGEST + LONGEST_EACH * variables
-    how, _ = become_feasible(program.rows, basis, prices, limit)
-    found = (
-        how == FOUND
-        and turn(program.rows, basis, start, first, np.pi / 2, nothing, limit) == FOUND
-        and turn(program.rows, basis, first, second, 2 * np.pi, trace, limit) == FOUND
-        and trace.filled[0] < LONGEST
-    )
-    return found, trace
-
-
-@njit(cache=True, nogil=True)
-def edge_of(program: Program, trace: Trace, k: int, rows: Integers, prices: Array) -> tuple[float, float]:
-    """Return the normal of one of a walk's edges, and write which constraints prove it, with which multipliers."""
-    x = trace.normal[k, 0] / (program.radius[0] if program.radius[0] > 0 else 1.0)
-    y = trace.normal[k, 1] / (program.radius[1] if program.radius[1] > 0 else 1.0)
-    length = np.hypot(x, y)
-    for m in range(len(rows)):
-        basic = trace.basic[k, m]
-        if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
-            rows[m] = program.number[basic]
-            prices[m] = trace.prices[k, m] / (length * program.size[basic])
-    return x / length, y / length
-
-
-@njit(cache=True, nogil=True)
-def is_tight(program: Program, trace: Trace, k: int, normal: Array, offset: float) -> bool:
-    """Return whether a proved edge is no farther out than its vertex, but for rounding."""
-    reached = 0.0
-    for m in range(2):
-        reached += normal[m] * (program.centre[m] + program.radius[m] * trace.point[k, m])
-    rounding = 64 * EPSILON * (abs(program.centre[0]) + abs(program.centre[1])) + SMALLEST
-    return offset - reached <= BEYOND * max(program.radius[0], program.radius[1]) + rounding
-
-
-@njit(cache=True, nogil=True)
-def project_window(robot: int, task: Task, place: Integers) -> Windowed:
-    """Project a robot's window onto the robot's position.
-
-    Args:
-        robot: Which.
-        task: The team.
-        place: (n,) scratch, all -1, and so again afterwards.
-    """
-    members = members_of(robot, task.hops, task.most, task.who.near, task.who.near_first, place)
-    program = program_of(members, place, rows_in(members, place, task.who), task.team, task.box)
-    found, trace = walked(program)
-    kept, why = np.empty(0, dtype=np.int64), 0
-    if found:
-        count, unit = trace.filled[0], program.radius[0] * program.radius[1]
-        kept, why = simplified(trace.normal[:count], trace.point[:count, :2], unit, task.goal)
-    normals, offsets = np.empty((len(kept), 2)), np.empty(len(kept))
-    rows, prices = np.full((len(kept), len(program.centre)), -1), np.zeros((len(kept), len(program.centre)))
-    for at in range(len(kept)):
-        normals[at] = edge_of(program, trace, kept[at], rows[at], prices[at])
-        offsets[at] = certified(normals[at], prices[at], rows[at], (place, program.centre, program.radius), task.team)
-        found = found and is_tight(program, trace, kept[at], normals[at], offsets[at])
-    for member in members:
-        place[member] = -1
-    vertices, edges, margin = np.empty((0, 2)), np.empty(0, dtype=np.int64), 0.0
-    if found:
-        own = task.who.own[task.who.own_first[robot] : task.who.own_first[robot + 1]]
-        lines = np.concatenate((normals, task.team[2][own])), np.concatenate((offsets, task.team[3][own]))
-        vertices, edges, margin = cut_box(lines[0], lines[1], task.box[0][robot], task.box[1][robot])
-    return Windowed(vertices, edges, margin, normals, offsets, rows, prices, why)
-
-
-@njit(cache=True, nogil=True)
-def project_some(robots: Integers, task: Task) -> list[Windowed]:
+@compiled
+def project_some(robots: Integers, task: Task) -> Sheet:
     """Project the windows of some robots."""
     place = np.full(len(task.box[0]), -1)
-    return [project_window(robot, task, place) for robot in robots]
+    return laid_out([project_window(robot, task, place) for robot in robots], robots, task.box)
 
 
-def project_windows(polytope: Polytope, window: Window, solvers: Sequence[Solver], stop: Stop) -> Projections:
+@compiled
+def laid_out(windows: list[Windowed], robots: Integers, box: Boxes) -> Sheet:
+    """Return what was found in some windows, end to end."""
+    edges, claims = 0, 0
+    for one in windows:
+        edges += len(one.behind)
+        claims += one.rows.size + len(one.own)
+    sheet = Sheet(
+        np.empty((edges, 2)),
+        np.empty(edges),
+        np.empty((edges, 2)),
+        np.empty(len(windows)),
+        np.zeros(len(windows) + 1, dtype=np.int64),
+        np.empty(edges, dtype=np.int64),
+        np.empty(claims, dtype=np.int64),
+        np.empty(claims),
+        np.zeros(edges + 1, dtype=np.int64),
+        np.empty(len(windows), dtype=np.int64),
+        np.empty(len(windows), dtype=np.int64),
+    )
+    for k in range(len(windows)):
+        _lay(windows[k], sheet, k, (box[0][robots[k]], box[1][robots[k]]))
+    return sheet
+
+
+@compiled
+def _lay(one: Windowed, sheet: Sheet, k: int, box: tuple[Array, Array]) -> None:
+    """Add what was found in one window."""
+    at, searches = sheet.first[k], len(one.rows)
+    sheet.margin[k], sheet.searches[k], sheet.why[k] = one.margin, searches, one.why
+    for vertex, line in zip(one.vertices, one.behind):  # noqa: B905, as it is compiled
+        claim = sheet.row_first[at]
+        sheet.vertices[at] = vertex
+        if line < 0:
+            sheet.behind[at] = line
+            sheet.normals[at, 0], sheet.normals[at, 1], sheet.offsets[at] = side_of_box(line, box[0], box[1])
+        else:
+            sheet.normals[at], sheet.offsets[at] = one.lines[0][line], one.lines[1][line]
+            sheet.behind[at] = PROVED if line < searches else one.own[line - searches]
+        if line >= searches:
+            sheet.row[claim], sheet.multiplier[claim] = one.own[line - searches], 1.0
+            claim += 1
+        elif line >= 0:
+            for m in range(one.rows.shape[1]):
+                if one.rows[line, m] >= 0:
+                    sheet.row[claim], sheet.multiplier[claim] = one.rows[line, m], one.prices[line, m]
+                    claim += 1
+        at += 1
+        sheet.row_first[at] = claim
+    sheet.first[k + 1] = at
+
+
+def project_windows(
+    polytope: Polytope,
+    window: Window,
+    solvers: Sequence[Solver],
+    stop: Stop,
+    *,
+    order: Integers | None = None,
+    is_over: IsOver = never,
+    threads: int | None = None,
+) -> Outlined | Contradiction:
     """Project every robot of the team in its own window; what is proved there holds in the whole team.
 
     Nothing is known from inside: a point that the window allows may be impossible in the team.
@@ -206,41 +137,65 @@ def project_windows(polytope: Polytope, window: Window, solvers: Sequence[Solver
         window: How far a window reaches.
         solvers: What searches; the first may be "exact", for walks over the vertices.
         stop: When a projection is good enough.
+        order: (n,) who comes first; all robots once. None for the order of their numbers.
+        is_over: Whether time is up; the robots that are left keep what is known of them at a glance.
+        threads: How many windows at a time; None for as many as there are cores.
     """
-    rows, robots = polytope.constraints, len(polytope.lower)
-    broken = broken_row(polytope.program())
+    robots = len(polytope.lower)
+    broken = broken_row(polytope.program()) if polytope.may_have_a_broken_row() else None
     if broken is not None:
-        return Projections(contradiction=broken)
-    who = links(rows, robots)
-    found: list[Projection | None] = [None] * robots
+        return Contradiction(broken)
+    who, order = links(polytope.constraints, robots), np.arange(robots) if order is None else order
+    pieces, left, failures = list[tuple[Integers, Outlines]](), order, list[Failure]()
     if solvers[0] == EXACT:
-        team, box = (rows.i, rows.j, rows.normal, rows.offset), (polytope.lower, polytope.upper)
-        goal = (float(stop.performance_ratio), float(stop.area_gap), int(stop.searches))
-        windows = project_some(np.arange(robots), Task(window.hops, window.robots, who, team, box, goal))
-        found = [_projection(polytope, who, robot, each) for robot, each in enumerate(windows)]
-    failures: list[Failure] = []
-    for robot in (robot for robot, each in enumerate(found) if each is None):
+        goal = float(stop.performance_ratio), float(stop.area_gap), int(stop.searches)
+        task = Task(window.hops, window.robots, who, polytope.constraints.columns, (polytope.lower, polytope.upper), goal)
+        pieces, left = _walked(order, task, is_over, threads or os.cpu_count() or 1)
+    late = []
+    for robot in left.tolist():
+        if is_over():
+            late.append(robot)
+            continue
         alone = _searched(polytope, who, robot, window, solvers, stop=stop)
         if alone.contradiction is not None:
-            return alone
-        found[robot] = alone.found[0]
+            return Contradiction(alone.contradiction)
+        pieces.append((np.array([robot]), Outlines.of(polytope, np.array([robot]), alone.complete)))
         failures += alone.failures
-    return Projections(tuple(each for each in found if each), tuple(failures))
+    unrefined = np.array(late, dtype=np.int64)
+    pieces.append((unrefined, Outlines.at_a_glance(polytope, unrefined, "time")))
+    return Outlined(in_order(pieces), tuple(failures))
 
 
-def _projection(polytope: Polytope, who: Links, robot: int, found: Windowed) -> Projection | None:
-    """Return what a walk has found and certified, or None when it was lost."""
-    if not len(found.vertices):
-        return None
-    own = who.own[who.own_first[robot] : who.own_first[robot + 1]]
-    normals = np.concatenate([found.normals, polytope.constraints.normal[own], SIDES])
-    box = np.append(polytope.upper[robot], -polytope.lower[robot])
-    offsets = np.concatenate([found.offsets, polytope.constraints.offset[own], box])
-    behind = np.where(found.edges < 0, found.edges + len(offsets), found.edges)
-    outer = Polygon(normals[behind], offsets[behind], found.vertices, found.margin)
-    direction, at = np.nonzero(found.rows >= 0)
-    weights, nothing = Weights(direction, found.rows[direction, at], found.prices[direction, at]), np.zeros(0)
-    return Projection(outer, found.edges, None, found.normals, weights, nothing, nothing, REASONS[found.why])
+def _walked(order: Integers, task: Task, is_over: IsOver, threads: int) -> tuple[list[tuple[Integers, Outlines]], Integers]:
+    """Return the outlines of some robots, and which robots are left: those that time ran out on, then those that were lost."""
+    chunks = [order[k : k + TOGETHER] for k in range(0, len(order), TOGETHER)]
+
+    def projected(chunk: Integers) -> Sheet | None:
+        return None if is_over() else project_some(chunk, task)
+
+    if threads == 1 or len(chunks) == 1:
+        sheets = [projected(chunk) for chunk in chunks]
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            sheets = list(pool.map(projected, chunks))
+    done = [(chunk, sheet) for chunk, sheet in zip(chunks, sheets, strict=True) if sheet]
+    late = [chunk for chunk, sheet in zip(chunks, sheets, strict=True) if not sheet]
+    if not done:
+        return [], order
+    robots, outlines = np.concatenate([chunk for chunk, _ in done]), _outlines([sheet for _, sheet in done])
+    return [(robots, outlines)], np.concatenate([*late, robots[np.diff(outlines.outer.first) == 0]])
+
+
+def _outlines(sheets: Sequence[Sheet]) -> Outlines:
+    every = Sheet(*(np.concatenate(column) for column in zip(*sheets, strict=True)))
+    used = [sheet.row_first[-1] for sheet in sheets]  # the rest of row and multiplier is room to spare
+    row = np.concatenate([sheet.row[:count] for sheet, count in zip(sheets, used, strict=True)])
+    multiplier = np.concatenate([sheet.multiplier[:count] for sheet, count in zip(sheets, used, strict=True)])
+    first = joined([sheet.first for sheet in sheets])
+    row_first = joined([sheet.row_first for sheet in sheets])
+    outer = Polygons(every.normals, every.offsets, every.vertices, every.margin, first)
+    reasons, nothing = tuple(REASONS[why] for why in every.why.tolist()), (None,) * len(every.why)
+    return Outlines(outer, every.behind, row, multiplier, row_first, nothing, every.searches, reasons)
 
 
 def _searched(
@@ -265,7 +220,7 @@ def _searched(
         contradiction = np.zeros(len(rows))
         contradiction[number] = alone.contradiction
         return Projections(contradiction=contradiction)
-    one = alone.found[0]
+    one = alone.complete[0]
     one = replace(one, inner=None, weights=one.weights._replace(row=number[one.weights.row]))
     deepest = tuple(replace(each, plane=robot) for each in alone.failures if each.plane is None)
     return Projections((one,), (*deepest, failure) if failure.failed else deepest)

@@ -1,1 +1,1 @@
-"""MuJoCo simulates the team: world, drive, sensors, episode."""
+"""The team is simulated: world (in MuJoCo, or kinematic), drive, sensors, episode."""

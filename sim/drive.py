@@ -16,7 +16,8 @@ import numpy as np
 
 from filter.angles import wrap
 from filter.arrays import Array, Integers, Mask
-from sim.geometry import distance_to_segments, distance_to_walls, meets_walls, nearest_on_walls
+from sim.geometry import distance_to_segment, distance_to_wall, meets_wall, near, near_walls, nearest_on_wall
+from sim.kinematic import KinematicWorld
 from sim.world import TIMESTEP, World
 
 CONTROL_STEPS = 10  # timesteps between two decisions
@@ -65,7 +66,7 @@ KEEP_RIGHT = 0.02  # speed that a robot gives up to pass others on the right, so
 class Driver:
     """Drives the robots of one world; asks them what to do every 50 ms and ramps the wheels every 5 ms."""
 
-    def __init__(self, world: World, generator: np.random.Generator, driving: Driving | None = None) -> None:
+    def __init__(self, world: World | KinematicWorld, generator: np.random.Generator, driving: Driving | None = None) -> None:
         """Take the wheel.
 
         Args:
@@ -131,20 +132,50 @@ class Driver:
         return np.clip((closing[:, None, :] / share).min(axis=2), 0, self._driving.speed)
 
     def _obstacles(self, positions: Array) -> tuple[Array, Array]:
-        """Return (n, m, 2) unit vectors to each robot's nearest obstacles and (n, m) greatest speeds towards them [m/s]."""
+        """Return (n, m, 2) unit vectors to each robot's nearest obstacles and (n, m) greatest speeds towards them [m/s].
+
+        Obstacles so far away that they allow full speed are left out.
+        """
         world, driving = self._world, self._driving
-        walls = nearest_on_walls(positions, world.walls) - positions[:, None]
-        bodies = np.concatenate([positions, world.landmarks])[None] - positions[:, None]
-        offsets = np.concatenate([bodies, walls], axis=1)
-        distances = np.linalg.norm(offsets, axis=2)
-        np.fill_diagonal(distances, np.inf)
-        count, covered = len(positions), world.robot_radius + driving.margin
+        covered, reach = world.robot_radius + driving.margin, driving.speed / driving.approach
+        standing, offsets = self._to_standing(positions, covered + reach)
+        robot, others = self._to_robots(positions, covered + world.robot_radius + 2 * reach)
+        distances, apart = np.linalg.norm(offsets, axis=1), np.linalg.norm(others, axis=1)
         closing = (distances - covered) * driving.approach
-        closing[:, :count] = (distances[:, :count] - covered - world.robot_radius) * driving.approach / 2
-        near = np.argsort(closing, axis=1)[:, :NEAREST]
-        towards = np.take_along_axis(offsets, near[:, :, None], axis=1)
-        length = np.maximum(np.take_along_axis(distances, near, axis=1), 1e-9)
-        return towards / length[:, :, None], np.maximum(np.take_along_axis(closing, near, axis=1), 0)
+        both_closing = (apart - covered - world.robot_radius) * driving.approach / 2
+        return self._nearest(
+            np.concatenate([robot, standing]),
+            np.concatenate([others, offsets]),
+            np.concatenate([apart, distances]),
+            np.concatenate([both_closing, closing]),
+        )
+
+    def _to_robots(self, positions: Array, reach: float) -> tuple[Integers, Array]:
+        """Return which robots (k,) have another one within reach, and where from there (k, 2) [m]."""
+        one, other = near(positions, positions, np.full(len(positions), reach))
+        one, other = one[one != other], other[one != other]
+        return one, positions[other] - positions[one]
+
+    def _to_standing(self, positions: Array, reach: float) -> tuple[Integers, Array]:
+        """Return which robots (k,) have a beacon or a wall within reach, and where from there (k, 2) [m]."""
+        world = self._world
+        beacon, robot = near(positions, world.landmarks, np.full(len(world.landmarks), reach))
+        to_beacons = world.landmarks[beacon] - positions[robot]
+        beside, wall = near_walls(positions, world.walls, np.full(len(positions), reach))
+        to_walls = nearest_on_wall(positions[beside], world.walls[wall]) - positions[beside]
+        return np.concatenate([robot, beside]), np.concatenate([to_beacons, to_walls])
+
+    def _nearest(self, robot: Integers, offsets: Array, distances: Array, closing: Array) -> tuple[Array, Array]:
+        """Return unit vectors and speeds of the obstacles of each robot that allow the least; where it has fewer, no limit."""
+        order = np.lexsort([closing, robot])
+        robot, offsets, distances, closing = robot[order], offsets[order], distances[order], closing[order]
+        place = np.arange(len(robot)) - np.searchsorted(robot, robot)
+        kept = place < NEAREST
+        at = robot[kept], place[kept]
+        towards, limits = np.zeros((self._world.robots, NEAREST, 2)), np.full((self._world.robots, NEAREST), np.inf)
+        towards[at] = offsets[kept] / np.maximum(distances[kept], 1e-9)[:, None]
+        limits[at] = np.maximum(closing[kept], 0)
+        return towards, limits
 
     def _renew_waypoints(self, positions: Array) -> None:
         stands = (self._speed < SLOW) & (np.abs(self._rate) < SLOW)
@@ -165,10 +196,15 @@ class Driver:
         return np.where(np.any(free, axis=1, keepdims=True), chosen, positions[robots])
 
     def _reachable(self, starts: Array, ends: Array) -> Mask:
+        """Return (k,), whether nothing is in the corridor from start to end, and the end is clear of walls."""
         world = self._world
+        middles, half = (starts + ends) / 2, np.linalg.norm(ends - starts, axis=1) / 2
+        way, wall = near_walls(middles, world.walls, half + 2 * CORRIDOR)
+        walls, first, last = world.walls[wall], starts[way], ends[way]
         # A robot may stand nearer to a wall than the corridor is wide, and still has to get away.
-        corridor = np.minimum(CORRIDOR, distance_to_walls(starts, world.walls) * 0.9)
-        walls = world.walls + corridor[:, :, None] * np.array([-1, -1, 1, 1])
-        blocked = meets_walls(starts, ends, walls).any(axis=1)
-        blocked |= (distance_to_walls(ends, world.walls) < 2 * CORRIDOR).any(axis=1)
-        return np.asarray(~blocked & (distance_to_segments(world.landmarks, starts, ends) > CORRIDOR).all(axis=1))
+        corridor = np.minimum(CORRIDOR, distance_to_wall(first, walls) * 0.9)
+        blocked = meets_wall(first, last, walls + corridor[:, None] * np.array([-1, -1, 1, 1]))
+        blocked |= distance_to_wall(last, walls) < 2 * CORRIDOR
+        past, beacon = near(world.landmarks, middles, half + CORRIDOR)
+        bumps = distance_to_segment(world.landmarks[beacon], starts[past], ends[past]) <= CORRIDOR
+        return np.bincount(np.concatenate([way[blocked], past[bumps]]), minlength=len(starts)) == 0

@@ -15,13 +15,15 @@ from sim.drive import SPEED_LIMIT, Driver
 from sim.encoders import Encoders, odometry
 from sim.errors import ErrorKind, Errors, known_kind
 from sim.frame import Frame, Truth
-from sim.layout import layout, start_poses
+from sim.kinematic import KinematicWorld
+from sim.layout import Layout, layout, start_poses
 from sim.sensors import Readings, Sensors
 from sim.visibility import visible
 from sim.world import TIMESTEP, World
 
 MeasurementChoice = Literal["all", "absolute", "none"]
 MEASUREMENT_CHOICES: tuple[MeasurementChoice, ...] = get_args(MeasurementChoice)
+WorldKind = Literal["mujoco", "kinematic"]
 
 START_BOUND = 0.5  # [m]
 # A start at the very corner of its box stays inside when floats are rounded.
@@ -50,12 +52,13 @@ class Episode(Iterator[Frame]):
         errors: ErrorKind,
         measurements: MeasurementChoice,
         sensors: Sensors,
+        world: WorldKind,
     ) -> None:
         """Build the world; see `episode`, which checks what comes in."""
         # One stream for each purpose: what one draws never changes what another does.
-        streams = [np.random.default_rng(sequence) for sequence in np.random.SeedSequence(seed).spawn(7)]
+        streams = [np.random.default_rng(sequence) for sequence in np.random.SeedSequence(seed).spawn(8)]
         plan = layout(robots)
-        self.world = World(plan, *start_poses(plan, streams[0]))
+        self.world = _world(world, plan, streams[0], sensors=sensors, errors=errors, slipping=streams[7])
         self.team = Team(robots, plan.beacons, SPEED_LIMIT, sensors.turn_rate, plan.arena)
         self.start_bound, self.sensors = START_BOUND, sensors
         anywhere = Errors("extreme" if errors == "extreme" else "uniform", (robots, 2), streams[2])
@@ -106,21 +109,24 @@ def episode(
     errors: ErrorKind = "uniform",
     measurements: MeasurementChoice = "all",
     sensors: Sensors | None = None,
+    world: WorldKind = "mujoco",
 ) -> Episode:
     """Return a run of the simulator; the same arguments give the same bytes.
 
     Frame k is at time k / rate, k = 0, 1, ..., round(duration * rate) - 1. The first has no odometry; every later one has
-    odometry of all robots since the one before. The truth depends on robots and seed alone, and what is measured does not
-    depend on `measurements`: records are made first and left out afterwards.
+    odometry of all robots since the one before. The truth depends on world, robots and seed alone, in the kinematic world on
+    the kind of errors and the bounds on slip, too; what is measured does not depend on `measurements`: records are made first
+    and left out afterwards.
 
     Args:
-        robots: Number of robots, from 1 on; made for up to 100.
+        robots: Number of robots, from 1 on; made for up to 100 in MuJoCo, for thousands in the kinematic world.
         duration: How long [s].
         rate: Frames in a second [Hz], from 0.5 on; a whole number of 5 ms timesteps must make a frame.
         seed: From 0 on.
         errors: The kind of errors, one of `sim.errors.ERROR_KINDS`.
         measurements: "all"; "absolute", compasses and landmarks, no robot of another; "none", compasses (and odometry) only.
         sensors: The bounds of the sensors; the default ones if None.
+        world: "mujoco", or "kinematic" for the light one, whose robots slip up to the bounds.
 
     Raises:
         InvalidInput: An argument is none of these.
@@ -128,6 +134,8 @@ def episode(
     _check_rate(rate)
     if measurements not in MEASUREMENT_CHOICES:
         raise InvalidInput(f"measurements among {', '.join(MEASUREMENT_CHOICES)}", repr(measurements))
+    if world not in get_args(WorldKind):
+        raise InvalidInput(f"a world among {', '.join(get_args(WorldKind))}", repr(world))
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise InvalidInput("a seed: a whole number from 0 on", repr(seed))
     frames = round(float(finite("duration [s]", duration, 0)) * rate)
@@ -141,7 +149,23 @@ def episode(
         errors=known_kind(errors),
         measurements=measurements,
         sensors=sensors or Sensors(),
+        world=world,
     )
+
+
+def _world(
+    kind: WorldKind,
+    plan: Layout,
+    placing: np.random.Generator,
+    *,
+    sensors: Sensors,
+    errors: ErrorKind,
+    slipping: np.random.Generator,
+) -> World | KinematicWorld:
+    positions, headings = start_poses(plan, placing)
+    if kind == "mujoco":
+        return World(plan, positions, headings)
+    return KinematicWorld(plan, positions, headings, sensors=sensors, errors=errors, generator=slipping)
 
 
 def _check_rate(rate: float) -> None:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array
+from filter.arrays import Array, Mask
 from filter.errors import InvalidInput
-from sim.geometry import distance_to_walls
+from sim.geometry import distance_to_wall
 
 TILE = np.array([12.0, 8.0])  # [m]
 WALL_THICKNESS = 0.1  # [m]
@@ -111,17 +111,26 @@ def start_poses(plan: Layout, generator: np.random.Generator) -> tuple[Array, Ar
     Raises:
         InvalidInput: A zone is too crowded for another robot.
     """
-    taken = list(plan.beacons)
+    taken = plan.beacons
     for home in plan.homes:
-        taken.append(_free_place(home, np.array(taken), plan.walls, generator))
+        around = home + 2 * START_CLEARANCE * np.array([-1, -1, 1, 1])
+        bodies = taken[_meet(np.tile(taken, 2), around)]
+        place = _free_place(home, bodies, plan.walls[_meet(plan.walls, around)], generator)
+        taken = np.concatenate([taken, place[None]])
     headings = generator.uniform(-np.pi, np.pi, len(plan.homes))
-    return np.array(taken[len(plan.beacons) :]), headings
+    return taken[len(plan.beacons) :], headings
+
+
+def _meet(rectangles: Array, other: Array) -> Mask:
+    """Return (k,), whether each of the (k, 4) rectangles has a point in another."""
+    return np.asarray(((rectangles[:, :2] <= other[2:]) & (other[:2] <= rectangles[:, 2:])).all(axis=1))
 
 
 def _free_place(home: Array, taken: Array, walls: Array, generator: np.random.Generator) -> Array:
+    """Return a place in a zone, clear of the bodies and walls around it."""
     for _ in range(ATTEMPTS):
         place = generator.uniform(home[:2], home[2:])
-        apart = np.linalg.norm(taken - place, axis=1).min() >= 2 * START_CLEARANCE
-        if apart and distance_to_walls(place[None], walls).min() >= START_CLEARANCE:
+        apart = np.linalg.norm(taken - place, axis=1) >= 2 * START_CLEARANCE
+        if apart.all() and (distance_to_wall(place, walls) >= START_CLEARANCE).all():
             return place
     raise InvalidInput("a home zone with room for one more robot", f"zone {home.tolist()}")

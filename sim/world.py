@@ -51,18 +51,11 @@ class World:
         self.wall_height = WALL_HEIGHT
         self.model = _spec(plan, positions, headings).compile()
         self.data = mujoco.MjData(self.model)
-        self._measure_robot()
+        self.track, self.wheel_radius, self.robot_radius, self.mast_radius = robot_dimensions()
         self._find_columns()
         self._camera: Camera | None = None
         self._steps = -SETTLING_STEPS
         self.step(SETTLING_STEPS)
-
-    def _measure_robot(self) -> None:
-        hull, mast, wheel = (self.model.geom(f"r0/{name}") for name in ("hull", "mast", "left_tyre"))
-        self.track = float(2 * self.model.body("r0/left_wheel").pos[1])
-        self.wheel_radius = float(wheel.size[0])
-        self.robot_radius = float(hull.size[0] + np.hypot(*hull.pos[:2]))
-        self.mast_radius = float(mast.size[0])
 
     def _find_columns(self) -> None:
         """Look up once where in MuJoCo's arrays the robots are."""
@@ -120,6 +113,14 @@ class World:
         if self._camera is None:
             self._camera = Camera(self.model)
         return self._camera.image(self.data, camera)
+
+
+def robot_dimensions() -> tuple[float, float, float, float]:
+    """Return a robot's track, the radius of its wheels, of the disc around the axle that covers it, and of its mast [m]."""
+    model = mujoco.MjModel.from_xml_path(str(DIFFDRIVE))
+    hull, mast, wheel = (model.geom(name) for name in ("hull", "mast", "left_tyre"))
+    cover = hull.size[0] + np.hypot(*hull.pos[:2])
+    return float(2 * model.body("left_wheel").pos[1]), float(wheel.size[0]), float(cover), float(mast.size[0])
 
 
 def _spec(plan: Layout, positions: Array, headings: Array) -> Any:

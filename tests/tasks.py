@@ -3,6 +3,8 @@
 import os
 import time
 
+from experiments.own_process import peak_memory_mib
+
 
 def square(number):
     return {"square": number * number}
@@ -29,3 +31,14 @@ def fails_at_three(number):
 def dies(_):
     time.sleep(0.2)
     os._exit(9)
+
+
+def dies_half_way(number):
+    yield number
+    os._exit(9)
+
+
+def remembers(size):
+    """Tell the peak of memory before and after so many bytes were there."""
+    yield peak_memory_mib()
+    yield len(b"x" * size) and peak_memory_mib()

@@ -25,15 +25,38 @@ PLAIN = {
     "typing",
 }
 # What some modules of the filter may use besides.
-COMPILED = ("plane", "slices", "simplex", "shadow", "window", "windows")
-AND = {"solvers": {"piqp", "qpsolvers", "highspy"}} | {name: {"numba"} for name in COMPILED}
+# What some modules with compiled functions import for the others of their functions.
+NOT_IN_LOOPS = {"windows": {"EXACT"}, "boxes": {"SIDES"}}
+COMPILED = (
+    "angles",
+    "plane",
+    "polygons",
+    "constraints",
+    "motion",
+    "pruning",
+    "simplex",
+    "shadow",
+    "window",
+    "windowed",
+    "windows",
+    "headings",
+    "boxes",
+    "slices",
+)
+AND = {
+    "compiled": {"numba", "hashlib", "pathlib"},
+    "solvers": {"piqp", "qpsolvers", "highspy"},
+    "windows": {"concurrent", "os"},
+}
 MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
 ORDER = [
     "errors",
     "arrays",
+    "compiled",
     "angles",
     "plane",
     "polygon",
+    "polygons",
     "constraints",
     "lp",
     "scaling",
@@ -50,10 +73,16 @@ ORDER = [
     "simplex",
     "shadow",
     "exact",
+    "budget",
     "projector",
     "window",
+    "windowed",
+    "outlines",
     "windows",
+    "region",
     "belief",
+    "headings",
+    "boxes",
     "regions",
     "rejection",
     "set_membership",
@@ -126,6 +155,22 @@ def test_the_filter_has_no_files_and_no_randomness(path):
 def test_the_filter_reads_in_one_order(path):
     before = {f"filter.{name}" for name in ORDER[: ORDER.index(path.stem)]}
     assert {name for name in imports(path) if top(name) == "filter"} <= before
+
+
+def test_what_is_compiled_is_said_to_be():
+    marked = {path.stem for path in MODULES if folder(path) == "filter" and "\n@compiled\n" in path.read_text()}
+    assert marked == set(COMPILED)
+
+
+@pytest.mark.parametrize("name", COMPILED)
+def test_constants_of_what_is_compiled_are_from_there(name):
+    """They become a part of the compiled code, which is made anew when a module with compiled functions changes."""
+    tree = ast.parse((ROOT / "filter" / f"{name}.py").read_text())
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("filter."):
+            constants = [alias.name for alias in node.names if alias.name.isupper()]
+            elsewhere = set(constants) - NOT_IN_LOOPS.get(name, set())
+            assert not elsewhere or node.module.removeprefix("filter.") in COMPILED, elsewhere
 
 
 @pytest.mark.parametrize("path", of("sim"))

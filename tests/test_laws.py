@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from worlds import World, escapes, feasible, unit
+from worlds import World, escapes, feasible, of_robot, unit
 
 from filter.angles import AngularIntervals, wrap
 from filter.constraints import Constraints
@@ -148,7 +148,7 @@ def test_pruning_never_shrinks(name):
     for robot in range(len(polytope.lower)):
         before, after = (exact_projection(which, robot) for which in (polytope, pruned))
         assert (supports(after) >= supports(before) - SAME).all()
-        assert pruned.of_robot(robot)[0].area >= polytope.of_robot(robot)[0].area - 1e-12
+        assert of_robot(pruned, robot)[0].area >= of_robot(polytope, robot)[0].area - 1e-12
 
 
 def exact_projection(polytope, robot):

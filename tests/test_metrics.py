@@ -8,6 +8,8 @@ from experiments.metrics import Metrics
 from filter.angles import AngularIntervals
 from filter.measurements import Bearing, Compass
 from filter.polygon import Polygon
+from filter.polygons import Polygons
+from filter.region import Regions
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.frame import Frame, Truth
@@ -22,8 +24,9 @@ def square(middle, half=1.0):
 def belief_of(outers, inners=(None, None), searches=(0, 0), headings=None):
     """A belief with regions as wanted; everything else from a filter that has just started."""
     start = SetMembershipFilter(TEAM).start(0.0, outers, headings)
-    made = zip(start.regions, outers, inners, searches, strict=True)
-    regions = tuple(replace(region, outer=outer, inner=inner, searches=count) for region, outer, inner, count in made)
+    edges = sum(len(outer.offsets) for outer in outers)
+    causes = np.zeros(0, dtype=int), np.zeros(edges + 1, dtype=int)
+    regions = Regions(Polygons.of(outers), tuple(inners), np.array(searches), (None,) * len(outers), *causes)
     return replace(start, regions=regions)
 
 

@@ -216,6 +216,31 @@ def test_one_record_is_never_wider_than_a_chain_of_records(name):
         assert bound_over(knots, length) == pytest.approx(bound)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_smoothed_error_only_drifts_and_is_never_farther_away_than_the_jitter(seed):
+    """The lemma behind chained bounds, on an error that jitters and drifts as much as it may."""
+    generator, chained = np.random.default_rng(seed), Bounds().chained()
+    times = np.cumsum(generator.exponential(0.05, 600))
+    apart = np.abs(times[:, None] - times)
+    drift, jitter = bound_over(chained.turn, 1.0), chained.heading_jitter
+    drifted = np.append(0.0, np.cumsum(drift * np.diff(times) * generator.choice([-1, 1], 599)))
+    error = drifted + jitter * generator.choice([-1, 1], 600)
+    assert (np.abs(error[:, None] - error) <= 2 * jitter + drift * apart + 1e-9).all()
+    smoothed = (error[None, :] + drift * apart).min(axis=1) + jitter
+    assert (np.abs(smoothed - error) <= jitter + 1e-9).all()
+    assert (np.abs(smoothed[:, None] - smoothed) <= drift * apart + 1e-9).all()
+
+
+@pytest.mark.parametrize("length", [0.2, 1.0, 3.0])
+def test_chained_bounds_take_the_jitter_out_of_the_records(length):
+    bounds, lengths = Bounds(), np.linspace(0.001, 20, 2000)
+    chained = bounds.chained(length)
+    for name, jitter in (("turn", 2 * chained.heading_jitter), ("distance", 0.02), ("slip", 0.02), ("reach", 0.02)):
+        drift = bound_over(getattr(chained, name), lengths)
+        assert (bound_over(getattr(bounds, name), lengths) <= jitter + drift + 1e-12).all()
+        assert bound_over(getattr(chained, name), length) == pytest.approx(bound_over(getattr(bounds, name), length))
+
+
 @pytest.mark.parametrize("knots", [(), ((0.0, 1.0),), ((1.0, 1.0), (2.0, 3.0)), ((1.0, 1.0), (2.0, 0.5)), ((np.nan, 1.0),)])
 def test_knots_of_no_concave_function_are_refused(knots):
     with pytest.raises(InvalidInput, match="turn"):

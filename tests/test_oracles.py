@@ -61,7 +61,9 @@ def test_a_regions_supports_are_those_of_the_merged_polytope(seed, solver, monke
 
     caught = []
     original = regions.project_all
-    monkeypatch.setattr(regions, "project_all", lambda program, *rest: caught.append(program) or original(program, *rest))
+    monkeypatch.setattr(
+        regions, "project_all", lambda program, *rest, **more: caught.append(program) or original(program, *rest, **more)
+    )
     world = World(np.random.default_rng(seed), robots=3)
     estimator = SetMembershipFilter(world.team, solver, stop=TIGHT)
     belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())

@@ -12,7 +12,8 @@ from worlds import exact_slack, offset_through, outside_hull, unit
 from filter.angles import wrap
 from filter.errors import InvalidInput
 from filter.plane import area_of, hull_of
-from filter.polygon import Polygon, clip, spans_of
+from filter.polygon import Polygon, clip
+from filter.polygons import Polygons
 
 # Areas and lengths of two ways to compute a polygon differ by no more than this [m, m2].
 SAME = 1e-9
@@ -241,7 +242,7 @@ def test_a_mirrored_polygon_holds_the_fixed_point_as_seen_from_within(seed, far)
     corners = far + rng.normal(size=(rng.integers(1, 9), 2))
     hull = Polygon.from_vertices(corners)
     fixed = far + rng.normal(size=2)
-    mirrored = hull.mirrored(fixed)
+    (mirrored,) = Polygons.of([hull]).mirrored(fixed[None])
     for vertex in corners:
         seen = [Fraction(float(fixed[m])) - Fraction(float(vertex[m])) for m in (0, 1)]
         for normal, offset in zip(mirrored.normals, mirrored.offsets, strict=True):
@@ -269,7 +270,8 @@ def test_a_span_holds_the_direction_of_every_point(seed, where):
     if where == "thin":
         corners = corners[:1] * rng.uniform(0.01, 1, (5, 1))
     hull = Polygon.from_vertices(corners)
-    centre, bound = hull.span()
+    spans = Polygons.of([hull]).spans()
+    centre, bound = spans.centre[0], spans.bound[0]
     shares = rng.dirichlet(np.ones(len(hull.vertices)), 40)
     inside = np.vstack([hull.vertices, shares @ hull.vertices])
     off = np.abs(wrap(np.arctan2(inside[:, 1], inside[:, 0]) - centre))
@@ -283,14 +285,14 @@ def test_a_span_holds_the_direction_of_every_point(seed, where):
     "polygon", [Polygon.box([-1, -1], [1, 1]), Polygon.box([0, 0], [1, 1]), Polygon.from_vertices([[0, 0]])]
 )
 def test_nothing_is_known_of_the_direction_from_within(polygon):
-    assert polygon.span()[1] == np.pi
+    assert Polygons.of([polygon]).spans().bound[0] == np.pi
 
 
 def test_spans_across_plus_and_minus_pi_are_narrow():
-    spans = spans_of([Polygon.box([-3, -0.1], [-2, 0.1]), Polygon.box([2, -0.1], [3, 0.1])])
+    spans = Polygons.of([Polygon.box([-3, -0.1], [-2, 0.1]), Polygon.box([2, -0.1], [3, 0.1])]).spans()
     assert spans.bound == pytest.approx(np.arctan2(0.1, 2), abs=SAME)
     assert spans.contains([np.pi, 0.0]).all()
-    assert len(spans_of([])) == 0
+    assert len(Polygons.of([]).spans()) == 0
 
 
 @given(seeds)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from worlds import NO_ROWS, unit
+from worlds import NO_ROWS, of_pair, of_robot, unit
 
 from filter.constraints import Constraints
 from filter.polytope import Polytope
@@ -35,14 +35,14 @@ def test_polygons_at_a_glance_contain_what_the_polytope_allows(seed):
     allowed = points[program.holds(points.reshape(500, -1))]
     assert len(allowed) > 5
     for robot in range(3):
-        assert team.of_robot(robot)[0].contains(allowed[:, robot]).all()
+        assert of_robot(team, robot)[0].contains(allowed[:, robot]).all()
     for i, j in ((0, 1), (0, 2), (1, 2)):
-        assert team.of_pair(i, j)[0].contains(allowed[:, j] - allowed[:, i]).all()
+        assert of_pair(team, i, j)[0].contains(allowed[:, j] - allowed[:, i]).all()
 
 
 def test_edges_name_their_rows():
     team, _ = polytope(np.random.default_rng(0))
-    for polygon, edges, wanted in ((*team.of_robot(1), (-1, 1)), (*team.of_pair(0, 2), (0, 2))):
+    for polygon, edges, wanted in ((*of_robot(team, 1), (-1, 1)), (*of_pair(team, 0, 2), (0, 2))):
         for k in np.flatnonzero(edges >= 0):
             row = edges[k]
             assert (team.constraints.i[row], team.constraints.j[row]) == wanted
@@ -52,7 +52,7 @@ def test_edges_name_their_rows():
 
 def test_rows_that_exclude_one_another_are_proved_to_leave_nothing():
     rows = Constraints.on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-1.0, -1.0]), np.zeros(2, dtype=int))
-    assert Polytope(rows, np.full((1, 2), -2.0), np.full((1, 2), 2.0)).of_robot(0) is None
+    assert Polytope(rows, np.full((1, 2), -2.0), np.full((1, 2), 2.0)).of_robots(np.array([0])).empty[0]
 
 
 def test_the_program_has_the_rows_and_the_box():

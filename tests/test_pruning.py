@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from worlds import NO_ROWS, unit
+from worlds import NO_ROWS, of_robot, unit
 
 from filter.constraints import WORLD, Constraints
-from filter.polygon import Polygon, clip
+from filter.polygon import clip
+from filter.polygons import cut_boxes
 from filter.polytope import Polytope
-from filter.pruning import prune, worthy_edges
+from filter.pruning import prune, worthy_rows
 
 
 def polytope(rng, robots=3, each=20):
@@ -16,6 +17,14 @@ def polytope(rng, robots=3, each=20):
     i, j = np.repeat(groups, each, axis=0).T
     rows = Constraints(i, j, unit(rng.uniform(-np.pi, np.pi, len(i))), rng.uniform(0.3, 1, len(i)), np.arange(len(i)))
     return Polytope(rows, np.full((robots, 2), -2.0), np.full((robots, 2), 2.0))
+
+
+def worthy(normals, offsets, half, budget):
+    """Return the rows to keep of the part of a box that lies in some half-planes, and those that are edges at all."""
+    corner, count = np.full((1, 2), half), len(offsets)
+    cuts = cut_boxes(normals, offsets, (np.arange(count), np.array([0]), np.array([count])), -corner, corner)
+    edges = cuts.edges[cuts.edges >= 0]
+    return worthy_rows(cuts, np.array([len(edges) + budget if budget < 0 else budget])), edges
 
 
 def groups_of(rows):
@@ -44,7 +53,7 @@ def test_pruning_never_shrinks_and_hardly_grows(seed):
     assert len(inside) > 20
     assert pruned.program().holds(inside.reshape(-1, 6)).all()
     for robot in range(3):
-        assert 1 - 1e-9 <= pruned.of_robot(robot)[0].area / team.of_robot(robot)[0].area < 1.25
+        assert 1 - 1e-9 <= of_robot(pruned, robot)[0].area / of_robot(team, robot)[0].area < 1.25
 
 
 def test_rows_that_others_imply_go_first():
@@ -60,8 +69,8 @@ def test_rows_that_others_imply_go_first():
 def test_the_edge_whose_removal_adds_least_goes_first():
     box = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
     corner = unit(np.pi / 4)[None]
-    polygon, edges = clip(np.vstack([box, corner]), np.append(np.ones(4), 1.4), np.full(2, -9.0), np.full(2, 9.0))
-    assert sorted(worthy_edges(polygon, edges, 4)) == [0, 1, 2, 3]
+    kept, _ = worthy(np.vstack([box, corner]), np.append(np.ones(4), 1.4), 9.0, 4)
+    assert sorted(kept) == [0, 1, 2, 3]
 
 
 def test_greedy_pruning_is_as_good_as_trying_every_single_edge():
@@ -69,9 +78,7 @@ def test_greedy_pruning_is_as_good_as_trying_every_single_edge():
     for _ in range(20):
         normals = unit(np.sort(rng.uniform(-np.pi, np.pi, 9)))
         offsets, lower, upper = rng.uniform(0.5, 1, 9), np.full(2, -20.0), np.full(2, 20.0)
-        polygon, edges = clip(normals, offsets, lower, upper)
-        rows = edges[edges >= 0]
-        kept = worthy_edges(polygon, edges, len(rows) - 1)
+        kept, rows = worthy(normals, offsets, 20.0, -1)
         areas = {
             gone: clip(np.delete(normals, gone, 0), np.delete(offsets, gone), lower, upper)[0].area for gone in rows.tolist()
         }
@@ -81,9 +88,8 @@ def test_greedy_pruning_is_as_good_as_trying_every_single_edge():
 
 
 def test_the_box_stays_and_counts_nothing():
-    polygon, edges = clip(np.array([[1.0, 0.0]]), np.array([0.0]), np.full(2, -1.0), np.full(2, 1.0))
-    assert worthy_edges(polygon, edges, 4).tolist() == [0]
-    assert worthy_edges(Polygon.box([0, 0], [1, 1]), np.arange(-4, 0), 0).tolist() == []
+    assert worthy(np.array([[1.0, 0.0]]), np.array([0.0]), 1.0, 4)[0].tolist() == [0]
+    assert worthy(np.zeros((0, 2)), np.zeros(0), 1.0, 4)[0].tolist() == []
 
 
 @pytest.mark.parametrize("width", [0.0, 1e-12])
@@ -93,7 +99,7 @@ def test_slivers_points_and_duplicates_are_pruned_too(width):
     team = Polytope(rows, np.full((1, 2), -1.0), np.full((1, 2), 1.0))
     left = prune(team, 4, 4)
     assert len(left) <= 4
-    assert team.with_constraints(left).of_robot(0)[0].contains([0.0, 0.0])
+    assert of_robot(team.with_constraints(left), 0)[0].contains([0.0, 0.0])
 
 
 def test_a_polytope_without_rows_has_nothing_to_prune():

@@ -4,7 +4,7 @@ from recordings import rerun, rows_of
 
 from experiments.colours import colour_of, mixed
 from experiments.drawing import TRAIL, Drawing, Strips
-from experiments.recording import Recording
+from experiments.recording import INDIVIDUALLY, Recording
 from experiments.run import steps
 from experiments.scenarios import from_simulator
 from filter.angles import AngularIntervals
@@ -154,6 +154,36 @@ def test_images_are_recorded_at_their_step(tmp_path):
         recording.image(np.zeros((6, 8, 3), dtype=np.uint8))
     (image,) = rows_of(path, "/camera", "EncodedImage:media_type")
     assert (image["step"], image["value"]) == (2, ["image/jpeg"])
+
+
+@pytest.mark.parametrize("truth", [True, False])
+def test_a_large_team_is_recorded_layer_by_layer(tmp_path, truth):
+    robots = INDIVIDUALLY + 1
+    middles = np.random.default_rng(0).uniform(-9, 9, (robots, 2))
+    team = Team(robots, landmarks=[[0.0, 1.0]])
+    boxes = [Polygon.box(middle - 0.5, middle + 0.5 + k % 3) for k, middle in enumerate(middles)]
+    belief = SetMembershipFilter(team).start(0.0, boxes, AngularIntervals.circles(robots))
+    seen = Range(0.0, [0, 60], [2, 61], [1.0, 1.0], 0.1, 0.0)
+    frame = Frame(0.0, None, (seen,), Truth(middles, np.zeros(robots)) if truth else None)
+    path = tmp_path / "a.rrd"
+    with Recording(path, team, recording_id="0", walls=WALLS, wall_height=0.3) as recording:
+        recording.add(frame, belief)
+    assert rerun("verify", path).returncode == 0
+    outers = [region.outer for region in belief.regions]
+    (strips,) = rows_of(path, "/world/outer/team", "LineStrips3D:strips")
+    for strip, outer in zip(strips["value"], outers, strict=True):
+        assert np.array_equal(np.array(strip)[:-1, :2], outer.vertices.astype(np.float32))
+    (corners,) = rows_of(path, "/world/fill/team", "Mesh3D:vertex_positions")
+    (triangles,) = rows_of(path, "/world/fill/team", "Mesh3D:triangle_indices")
+    a, b, c = (np.array(corners["value"])[np.array(triangles["value"])[:, k], :2] for k in range(3))
+    areas = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
+    assert (areas > 0).all()
+    assert areas.sum() == pytest.approx(sum(outer.area for outer in outers), rel=1e-4)
+    assert [len(row["value"]) for row in rows_of(path, "/world/rays/range", "LineStrips3D:strips")] == [2]
+    assert len(rows_of(path, "/world/truth/team", "Points3D:positions")) == truth
+    (greatest,) = rows_of(path, "/area/greatest", "Scalars:scalars")
+    assert greatest["value"] == [max(outer.area for outer in outers)]
+    assert not rows_of(path, "/world/outer/r0", "LineStrips3D:strips")
 
 
 def test_rays_join_who_measured_with_what_was_measured():

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.layout import Layout, layout
+from sim.geometry import distance_to_segment, distance_to_wall, meets_wall, near, near_walls
+from sim.layout import Layout, layout, start_poses
 from sim.visibility import visible
 from sim.world import World
 
@@ -77,6 +78,72 @@ def test_a_line_along_the_side_of_a_wall_does_not_divide_by_zero():
     assert sees([[0, 0], [3, 0]], walls=[[1, -0.5, 2, 1]]) == set()
     assert sees([[0, 0], [3, 0]], walls=[[1, 0, 2, 1]]) == set()
     assert sees([[0, 0], [0, 3]], walls=[[-1, 1, 0, 2]]) == set()
+
+
+def sees_by_all_pairs(positions, landmarks, walls, body_radius, detection_range):
+    """Look at every pair, and for each at every body and every wall."""
+    robots, bodies = len(positions), np.concatenate([positions, landmarks])
+    within = np.linalg.norm(bodies[:robots, None] - bodies[None], axis=2) <= detection_range
+    first, second = np.nonzero(np.triu(within, k=1))
+    starts, ends = bodies[first], bodies[second]
+    hides = distance_to_segment(bodies, starts[:, None], ends[:, None]) <= body_radius
+    every = np.arange(len(first))
+    hides[every, first] = hides[every, second] = False
+    clear = ~hides.any(axis=1) & ~meets_wall(starts[:, None], ends[:, None], walls).any(axis=1)
+    pairs = set(zip(first[clear].tolist(), second[clear].tolist(), strict=True))
+    return pairs | {(j, i) for i, j in pairs if j < robots}
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_sight_is_the_same_as_by_all_pairs(seed):
+    generator = np.random.default_rng(seed)
+    at, size = generator.choice([0.0, 1e5]), generator.choice([1.0, 4.0, 20.0])
+    robots, landmarks = (at + generator.uniform(-size, size, (count, 2)) for count in generator.integers([1, 0], [60, 20]))
+    corners = at + generator.uniform(-size, size, (generator.integers(0, 20), 2))
+    walls = np.concatenate([corners, corners + generator.uniform(0, size / 2, corners.shape) ** 2], axis=1)
+    rest = generator.choice([0.0, 0.03, 0.5]), generator.choice([0.0, 1.0, 4.0, 1e3])
+    assert sees(robots, landmarks, walls, *rest) == sees_by_all_pairs(robots, landmarks, walls, *rest)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_sight_is_the_same_where_everything_touches(seed):
+    """Bodies on a grid, some twice: lines graze walls and bodies, and ranges are reached exactly."""
+    generator = np.random.default_rng(seed)
+    robots, landmarks = (generator.integers(-3, 4, (count, 2)).astype(float) for count in (20, 6))
+    corners = generator.integers(-3, 4, (8, 2)).astype(float)
+    walls = np.concatenate([corners, corners + generator.integers(0, 3, corners.shape)], axis=1)
+    for body_radius, detection_range in ((0.0, 2.0), (1.0, 5.0), (0.5, 3.0), (np.sqrt(0.5), 1.0)):
+        arguments = robots, landmarks, walls, body_radius, detection_range
+        assert sees(*arguments) == sees_by_all_pairs(*arguments)
+
+
+def test_a_large_team_sees_the_same_as_by_all_pairs():
+    plan = layout(120)
+    positions, _ = start_poses(plan, np.random.default_rng(0))
+    arguments = positions, plan.beacons, plan.walls, 0.03, 4.0
+    assert len(sees(*arguments)) > 200
+    assert sees(*arguments) == sees_by_all_pairs(*arguments)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_near_is_found(seed):
+    generator = np.random.default_rng(seed)
+    points, centres = generator.integers(-4, 5, (30, 2)).astype(float), generator.integers(-4, 5, (12, 2)).astype(float)
+    reach = generator.integers(0, 4, 12).astype(float)
+    true = np.nonzero(np.linalg.norm(points - centres[:, None], axis=2) <= reach[:, None])
+    centre, point = near(points, centres, reach)
+    assert (np.diff(centre) >= 0).all()
+    assert set(zip(centre.tolist(), point.tolist(), strict=True)) == set(zip(*(each.tolist() for each in true), strict=True))
+    walls = np.concatenate([points, points + generator.integers(0, 5, points.shape)], axis=1)
+    true = np.nonzero(distance_to_wall(centres[:, None], walls) <= reach[:, None])
+    centre, wall = near_walls(centres, walls, reach)
+    assert set(zip(centre.tolist(), wall.tolist(), strict=True)) == set(zip(*(each.tolist() for each in true), strict=True))
+
+
+@pytest.mark.parametrize(("points", "centres"), [(0, 3), (3, 0), (0, 0)])
+def test_nothing_is_near_nothing(points, centres):
+    assert [len(found) for found in near(np.ones((points, 2)), np.ones((centres, 2)), np.ones(centres))] == [0, 0]
+    assert [len(found) for found in near_walls(np.ones((centres, 2)), np.ones((points, 4)), np.ones(centres))] == [0, 0]
 
 
 def crowd(seed):

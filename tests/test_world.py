@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from filter.errors import InvalidInput
-from sim.geometry import distance_to_walls
+from sim.geometry import distance_to_wall
 from sim.layout import START_CLEARANCE, layout, start_poses
 from sim.rendering import CannotRender
 from sim.visibility import visible
@@ -67,7 +67,7 @@ def test_robots_start_apart_from_walls_and_from_each_other(robots, seed):
     bodies = np.concatenate([positions, plan.beacons])
     apart = np.linalg.norm(bodies[:, None] - bodies, axis=2) + 10 * np.eye(len(bodies))
     assert apart[:robots].min() >= 2 * START_CLEARANCE
-    assert distance_to_walls(positions, plan.walls).min() >= START_CLEARANCE
+    assert distance_to_wall(positions[:, None], plan.walls).min() >= START_CLEARANCE
     assert ((positions >= plan.homes[:, :2]) & (positions <= plan.homes[:, 2:])).all()
     assert (np.abs(headings) <= np.pi).all()
 

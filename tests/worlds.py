@@ -191,3 +191,17 @@ def feasible(program: LinearProgram, point: Array) -> bool:
         return False
     A = program.A.toarray()
     return all(exact_slack(A[row], program.b[row], point) >= 0 for row in range(len(A)))
+
+
+def of_robot(polytope, robot):
+    """Return a polygon around one robot, from its own rows alone, and the row behind each edge."""
+    return single(polytope.of_robots(np.array([robot])))
+
+
+def of_pair(polytope, i, j):
+    """Return a polygon around x_j - x_i, from the pair's rows alone, and the row behind each edge."""
+    return single(polytope.of_pairs(np.array([i]), np.array([j])))
+
+
+def single(cuts):
+    return (cuts.polygons[0], cuts.edges)

@@ -1,0 +1,32 @@
+"""A recording of one size of team."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from experiments.recording import Recording
+from experiments.run import steps
+from experiments.scaling_size import Case
+from experiments.terminal import StepProgress
+from filter.set_membership import SetMembershipFilter
+from filter.window import Window
+
+
+def record_size(case: Case, path: Path) -> None:
+    """Follow a team once more, in windows, and record it as `.rrd`, with a progress bar.
+
+    Raises:
+        CorralError: What the simulator or the filter raises.
+    """
+    scenario = case.scenario()
+    recording = Recording(
+        path,
+        scenario.team,
+        recording_id=f"scaling_{case.robots}_{case.seed}",
+        walls=scenario.walls,
+        wall_height=scenario.wall_height,
+    )
+    with recording, StepProgress(case.frames) as progress:
+        for step in steps(SetMembershipFilter(scenario.team, scope=Window()), scenario):
+            recording.add(step.frame, step.belief)
+            progress.advance(step.frame.time, step.seconds)

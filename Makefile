@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test venv clean
+.PHONY: demo test bench venv clean
 
 demo: venv  ## run the main job; options by e.g. make demo OPTIONS="--duration 20 --errors bias"
 	$(BIN)/python -m experiments.moving_team $(OPTIONS)
@@ -12,6 +12,9 @@ test: venv  ## lint, types, tests
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest --numprocesses auto
+
+bench: venv  ## one projection by several ways, side by side; options as for the demo
+	$(BIN)/python -m experiments.benchmark $(OPTIONS)
 
 venv: .venv/ready
 

@@ -80,17 +80,15 @@ class Metrics:
         self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
         self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
         self._seconds.append(seconds)
-        for region in belief.regions:
-            self._areas.append(region.outer.area)
-            self._ratios.append(region.performance_ratio)
-            self._searches.append(region.searches)
+        self._areas += belief.regions.outer.areas.tolist()
+        self._ratios += [region.performance_ratio for region in belief.regions]
+        self._searches += belief.regions.searches.tolist()
         return Escapes() if frame.truth is None else self._check(belief, frame.truth)
 
     def _check(self, belief: Belief, truth: Truth) -> Escapes:
-        outers = [region.outer for region in belief.regions]
-        inside = [bool(outer.contains(place)) for outer, place in zip(outers, truth.positions, strict=True)]
+        inside = belief.regions.contains(truth.positions).tolist()
         within = belief.headings.contains(truth.headings).tolist()
-        errors = np.array([outer.centroid for outer in outers]) - truth.positions
+        errors = np.array([outer.centroid for outer in belief.regions.outer]) - truth.positions
         self._square_errors += (errors**2).sum(axis=1).tolist()
         escaped, turned = _missing(inside), _missing(within)
         self.checks += len(inside)
@@ -105,7 +103,8 @@ class Metrics:
         return self.escapes + self.heading_escapes > 0
 
     def summary(self) -> dict[str, Value]:
-        """Return flat values with units in their names; None for what nothing is known of."""
+        """Return flat values with units in their names; None for what nothing is known of, as in windows from inside."""
+        ratios = self._ratios if any(self._ratios) else []
         return {
             "checks": self.checks,
             "escapes": self.escapes,
@@ -116,8 +115,8 @@ class Metrics:
             "solver_fallbacks": self.fallbacks,
             "outer_area_mean_m2": _mean(self._areas),
             "outer_area_p95_m2": _quantile(self._areas, 0.95),
-            "performance_ratio_mean": _mean(self._ratios),
-            "performance_ratio_min": rounded(min(self._ratios)) if self._ratios else None,
+            "performance_ratio_mean": _mean(ratios),
+            "performance_ratio_min": rounded(min(ratios)) if ratios else None,
             "searches_mean": _mean(self._searches),
             "rows_max": self.rows_max,
             "step_median_ms": _quantile(self._seconds, 0.5, 1e3),

@@ -24,8 +24,10 @@ from experiments.terminal import StepProgress, print_table, tell
 from experiments.viewer import open_viewer
 from filter.errors import Inconsistent, InvalidInput
 from filter.projector import EXACT
+from filter.regions import Scope
 from filter.set_membership import Policy, SetMembershipFilter
-from sim.episode import MeasurementChoice, episode
+from filter.window import Window
+from sim.episode import MeasurementChoice, WorldKind, episode
 from sim.errors import ErrorKind
 
 LOG = "log.jsonl"
@@ -51,6 +53,10 @@ class Options:
     """Where all randomness comes from: the same seed, the same run."""
     errors: ErrorKind = "uniform"
     """Kind of the sensors' errors, always within their bounds."""
+    world: WorldKind = "mujoco"
+    """Where they drive: mujoco, made for up to 100 robots, or kinematic, lighter by far."""
+    hops: int | None = None
+    """Find each region in the window of the robots so many sightings away, not in the whole team; 1 does for large teams."""
     solver: str = EXACT
     """How regions are found: exact, or searched by piqp or any other solver that qpsolvers finds here."""
     measurements: MeasurementChoice = "all"
@@ -87,7 +93,8 @@ def run(options: Options) -> int:
         CorralError: An option, the log, or the output folder cannot be used.
     """
     scenario = scenario_of(options)
-    team_filter = SetMembershipFilter(scenario.team, options.solver, policy=options.policy)
+    scope: Scope = "team" if options.hops is None else Window(options.hops)
+    team_filter = SetMembershipFilter(scenario.team, options.solver, scope=scope, policy=options.policy)
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)
     conflict = following.run(team_filter)
@@ -113,13 +120,14 @@ def scenario_of(options: Options) -> Scenario:
             seed=options.seed,
             errors=options.errors,
             measurements=options.measurements,
+            world=options.world,
         )
         return from_simulator(simulated, options.rate)
     for field in fields(Options):
-        simulates = field.name in ("robots", "duration", "rate", "seed", "errors", "measurements", "camera")
+        simulates = field.name in ("robots", "duration", "rate", "seed", "errors", "measurements", "camera", "world")
         if simulates and getattr(options, field.name) != field.default:
             raise InvalidInput(
-                "a log to decide everything but --solver, --policy, --certificates, --out and --view",
+                "a log to decide everything but --hops, --solver, --policy, --certificates, --out and --view",
                 f"--{field.name} with --replay",
             )
     if options.replay.resolve() == (options.out / LOG).resolve():

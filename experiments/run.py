@@ -21,22 +21,15 @@ class Step:
 
     Attributes:
         frame: What it was given.
-        predicted: What it knew before the measurements.
+        predicted: What it knew before it saw the frame's measurements.
         belief: What it knows now.
-        predict_seconds: How long predict took.
-        update_seconds: How long update took.
+        seconds: How long predict and update took together.
     """
 
     frame: Frame
     predicted: Belief
     belief: Belief
-    predict_seconds: float
-    update_seconds: float
-
-    @property
-    def seconds(self) -> float:
-        """How long predict and update took together."""
-        return self.predict_seconds + self.update_seconds
+    seconds: float
 
 
 def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter | None = None) -> Iterator[Step]:
@@ -54,9 +47,8 @@ def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter |
             log.write(frame)
         begin = perf_counter()
         predicted = team_filter.predict(belief, frame.time, frame.odometry) if frame.time > belief.time else belief
-        between = perf_counter()
         belief = team_filter.update(predicted, frame.measurements)
-        yield Step(frame, predicted, belief, between - begin, perf_counter() - between)
+        yield Step(frame, predicted, belief, perf_counter() - begin)
 
 
 @dataclass

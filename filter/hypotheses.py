@@ -15,7 +15,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask, read_only
-from filter.polygon import Polygon
+from filter.errors import InvalidInput
+from filter.polygon import Polygon, clip
 from filter.slices import COUNT, DIRECTIONS, QUARTER, regrid
 
 AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over
@@ -102,9 +103,16 @@ class Hypotheses:
 
 
 def polygon_of(reach: Array) -> Polygon:
-    """Return the polygon with these supports (COUNT,) [m]."""
-    lower, upper = [-reach[2 * QUARTER], -reach[3 * QUARTER]], [reach[0], reach[QUARTER]]
-    return Polygon.from_half_planes(DIRECTIONS, reach, lower, upper)
+    """Return the polygon with these supports (COUNT,) [m].
+
+    Raises:
+        InvalidInput: They are those of no polygon.
+    """
+    lower, upper = -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]]
+    clipped = clip(DIRECTIONS, reach, lower, upper)
+    if clipped is None:
+        raise InvalidInput("supports of a polygon", reach.tolist())
+    return clipped[0]
 
 
 def reach_of(polygon: Polygon) -> Array:

@@ -139,7 +139,14 @@ def test_a_run_of_nothing_has_a_summary_of_nothing():
 
 def test_a_summary_is_flat_json():
     metrics = Metrics()
-    metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART), 0.01)
+    metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART, APART), 0.01)
     summary = metrics.summary()
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary
     assert all(isinstance(value, int | float) for value in summary.values())
+
+
+def test_where_nothing_is_known_from_inside_there_is_no_ratio():
+    metrics = Metrics()
+    metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART), 0.01)
+    assert metrics.summary()["performance_ratio_mean"] is None
+    assert metrics.summary()["performance_ratio_min"] is None

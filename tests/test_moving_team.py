@@ -83,6 +83,19 @@ def test_a_run_has_a_flat_summary_with_every_key(simulated):
     assert summary.items() >= expected.items()
 
 
+def test_a_large_team_may_drive_in_the_light_world_and_be_found_in_windows(tmp_path):
+    options = ["--robots", "12", "--duration", "1", "--world", "kinematic", "--hops", "1"]
+    assert main([*options, "--out", str(tmp_path)]) == 0
+    summary = summary_in(tmp_path)
+    assert summary["checks"] == 120
+    assert summary["performance_ratio_mean"] is None  # nothing is known from inside
+    assert main(["--replay", str(tmp_path / "log.jsonl"), "--hops", "1", "--out", str(tmp_path / "again")]) == 0
+    again = summary_in(tmp_path / "again")
+    assert [again[key] for key in ("outer_area_mean_m2", "rows_max")] == [
+        summary[key] for key in ("outer_area_mean_m2", "rows_max")
+    ]
+
+
 def test_a_check_is_one_robot_at_one_frame(simulated):
     summary = summary_in(simulated)
     assert summary["checks"] == summary["heading_checks"] == 20 * 3

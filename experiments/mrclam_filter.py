@@ -9,12 +9,17 @@ from time import perf_counter
 import numpy as np
 
 from experiments.located import Located
+from experiments.mrclam_carried import Carried
 from experiments.mrclam_motion import Motions
 from experiments.scenarios import Scenario, initial_headings
+from filter.angles import AngularIntervals
 from filter.arrays import Mask
 from filter.belief import Belief, Rejected, Source
 from filter.errors import Inconsistent
 from filter.polygon import Polygon
+from filter.region import Region
+from filter.robust import RobustFilter
+from filter.robust_belief import Restarted
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.frame import Frame
@@ -48,10 +53,38 @@ def team_filter(scenario: Scenario, motions: Motions) -> Iterator[Followed]:
 
     Args:
         scenario: The run.
-        motions: The robots' motion over any interval, for a filter that keeps anchors in the past.
+        motions: The robots' commands.
     """
-    del motions  # the plain filter goes from frame to frame
-    return rejecting(scenario)
+    return voting(scenario, Carried(motions), RobustFilter(scenario.team))
+
+
+def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterator[Followed]:
+    """Follow with a robust filter, which is given frames about carried headings."""
+    positions = [known.polygon() for known in scenario.initial]
+    headings = initial_headings(scenario.initial).turned(0.0, carried.bounds.jitter)
+    belief = robust.start(scenario.header.start, positions, headings)
+    for frame in scenario.frames:
+        begin = perf_counter()
+        told = carried.frame(frame)
+        belief = robust.update(robust.predict(belief, told.time, told.odometry), told.measurements)
+        rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
+        resets = sum(isinstance(event, Restarted) for event in belief.events)
+        located = Within(belief.regions, belief.headings.turned(0.0, carried.bounds.jitter))
+        seconds = perf_counter() - begin
+        yield Followed(frame, located, ~belief.in_force, rejected, resets, tuple(map(str, belief.events)), seconds)
+
+
+@dataclass(frozen=True, eq=False)
+class Within:
+    """Regions and heading intervals of a team.
+
+    Attributes:
+        regions: (n) where each robot is.
+        headings: (n) arcs that contain the headings: those of the carried ones, widened by the jitter.
+    """
+
+    regions: tuple[Region, ...]
+    headings: AngularIntervals
 
 
 def rejecting(scenario: Scenario) -> Iterator[Followed]:

@@ -67,12 +67,17 @@ class Motions:
     """The motion of a run's robots in any interval, from their commands.
 
     Before its first command a robot stands; a command holds until the next one.
+
+    Attributes:
+        bounds: The declared bounds.
+        commands: (n) tables (c, 3) of each robot's commands: time [s], speed [m/s], turn rate [rad/s].
     """
 
     def __init__(self, run: Run, robots: Sequence[int], bounds: Bounds) -> None:
         """Prepare the integrals of the commands of some robots, by their numbers in the files, which become 0, 1, ..."""
         self.bounds = bounds
-        self._commands = [_Commands(run.logs[robot].commands) for robot in robots]
+        self.commands = tuple(run.logs[robot].commands for robot in robots)
+        self._commands = [_Commands(table) for table in self.commands]
 
     def motion(self, robot: int, start: Floats, time: Floats) -> Motion:
         """Return how one robot, by its number in the team, moved from `start` to `time`, both (k,) [s].

@@ -41,6 +41,7 @@ COMPILED = (
     "windows",
     "headings",
     "boxes",
+    "slices",
 )
 AND = {
     "compiled": {"numba", "hashlib", "pathlib"},
@@ -85,6 +86,15 @@ ORDER = [
     "regions",
     "rejection",
     "set_membership",
+    "slices",
+    "sightings",
+    "hypotheses",
+    "voting",
+    "trust",
+    "robust_belief",
+    "merging",
+    "robust",
+    "lag",
     "ekf",
     "watch",
 ]

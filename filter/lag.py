@@ -1,0 +1,137 @@
+"""Late measurements, up to a fixed lag, are merged where they belong: around any filter with predict and update."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from filter.arrays import number
+from filter.measurements import Measurement, Odometry
+
+
+class Timed(Protocol):
+    """A belief of one time."""
+
+    @property
+    def time(self) -> float:
+        """When [s]."""
+
+
+AnyBelief = TypeVar("AnyBelief", bound=Timed)
+MotionBetween = Callable[[float, float], Odometry | None]  # from one time to another
+
+
+class Filter(Protocol[AnyBelief]):
+    """What a filter can do: a belief goes in and a new belief comes out."""
+
+    def predict(self, belief: AnyBelief, time: float, odometry: Odometry | None = None) -> AnyBelief:
+        """Return the belief at a later time."""
+
+    def update(self, belief: AnyBelief, measurements: Sequence[Measurement] = ()) -> AnyBelief:
+        """Return the belief after measurements of its time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step(Generic[AnyBelief]):
+    """One instant that is kept.
+
+    Attributes:
+        measurements: Those of this instant that have come so far.
+        belief: What is known after them.
+    """
+
+    measurements: tuple[Measurement, ...]
+    belief: AnyBelief
+
+
+@dataclass(frozen=True, eq=False)
+class Lagged(Generic[AnyBelief]):
+    """What is known now, and the steps of the last seconds that it came from.
+
+    Attributes:
+        steps: From the oldest that is kept to the newest.
+        late: How many measurements came after newer ones and were merged all the same.
+        refused: How many came too late.
+    """
+
+    steps: tuple[Step[AnyBelief], ...]
+    late: int = 0
+    refused: int = 0
+
+    @property
+    def belief(self) -> AnyBelief:
+        """What is known now."""
+        return self.steps[-1].belief
+
+
+@dataclass(frozen=True, eq=False)
+class FixedLag(Generic[AnyBelief]):
+    """Merges measurements that are late by at most a fixed lag as if they had come in order; later ones are refused.
+
+    The result is that of the inner filter with the same measurements in order, bit for bit, if their order within one instant
+    makes no difference to it.
+
+    Attributes:
+        inner: The filter that does the work.
+        motion: The robots' motion from one time to another, both not before the oldest step; None where nothing is known.
+        lag: How late a measurement may be, from 0 on [s].
+
+    Raises:
+        InvalidInput: The lag is negative or not finite.
+    """
+
+    inner: Filter[AnyBelief]
+    motion: MotionBetween
+    lag: float = 1.0
+
+    def __post_init__(self) -> None:
+        number("lag [s]", self.lag, 0)
+
+    def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
+        """Return a belief of the inner filter to which nothing has happened yet."""
+        return Lagged((Step((), belief),))
+
+    def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
+        """Return what is known after measurements of any times, in any order.
+
+        Args:
+            lagged: Stays as it is.
+            measurements: Records; how late they are is counted from the newest that came before.
+
+        Raises:
+            CorralError: What the inner filter raises; nothing has changed then.
+        """
+        newest = lagged.belief.time
+        oldest = max(lagged.steps[0].belief.time, newest - self.lag)
+        kept = [record for record in measurements if record.time >= oldest]
+        refused = _count(measurements) - _count(kept)
+        late = _count([record for record in kept if record.time < newest])
+        steps = self._redone(lagged.steps, kept) if kept else lagged.steps
+        return replace(lagged, steps=self._recent(steps), late=lagged.late + late, refused=lagged.refused + refused)
+
+    def _redone(self, steps: tuple[Step[AnyBelief], ...], records: list[Measurement]) -> tuple[Step[AnyBelief], ...]:
+        """Return the steps with records put in where they belong, and everything since then done again."""
+        times = np.array([step.belief.time for step in steps])
+        first = max(1, int(np.searchsorted(times, min(record.time for record in records), side="left")))
+        at: dict[float, tuple[Measurement, ...]] = {step.belief.time: step.measurements for step in steps[first:]}
+        for record in records:
+            at[record.time] = (*at.get(record.time, ()), record)
+        done = list(steps[:first])
+        for time in sorted(at):
+            belief = done[-1].belief
+            moved = belief if time == belief.time else self.inner.predict(belief, time, self.motion(belief.time, time))
+            done.append(Step(at[time], self.inner.update(moved, at[time])))
+        return tuple(done)
+
+    def _recent(self, steps: tuple[Step[AnyBelief], ...]) -> tuple[Step[AnyBelief], ...]:
+        """Return the steps within the lag, and the last one before them, which a late one would begin with."""
+        since = steps[-1].belief.time - self.lag
+        older = sum(step.belief.time < since for step in steps)
+        return steps[max(0, older - 1) :]
+
+
+def _count(records: Sequence[Measurement]) -> int:
+    return sum(len(record.robot) for record in records)

@@ -1,0 +1,134 @@
+"""The robust filter: for robots without compass among landmarks, whose declared bounds break now and then."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from filter.angles import AngularIntervals
+from filter.arrays import Array, number, whole
+from filter.errors import InvalidInput
+from filter.hypotheses import Hypotheses, reach_of
+from filter.measurements import Measurement, Odometry
+from filter.merging import Merging
+from filter.polygon import Polygon
+from filter.robust_belief import RobustBelief
+from filter.sightings import FARTHEST, Sightings
+from filter.slices import move, stay_within
+from filter.team import Team
+from filter.trust import Suspicion, Trust
+from filter.voting import Rules, Votes
+
+
+@dataclass(frozen=True, eq=False)
+class RobustFilter:
+    """Keeps a belief about a team that contains the truth although some measurements are wrong.
+
+    The guarantee: every robot is in its region if odometry keeps its bounds and, of the votes on it (see `filter.voting`) that
+    no event rejects, at most `rules.tolerated` in any window is wrong.
+
+    Attributes:
+        team: The robots, the landmarks and their limits.
+        rules: What is assumed of wrong measurements.
+        suspicion: When a camera or an identity is put aside.
+        cells: How many slices a full circle of headings has.
+
+    Raises:
+        InvalidInput: There are fewer than 8 cells.
+    """
+
+    team: Team
+    rules: Rules = field(default_factory=Rules)
+    suspicion: Suspicion = field(default_factory=Suspicion)
+    cells: int = 72
+
+    def __post_init__(self) -> None:
+        whole("cells of the circle", self.cells, 8)
+
+    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
+        """Return the belief before any measurement.
+
+        Args:
+            time: When [s].
+            positions: (n) a polygon around each robot.
+            headings: (n) arcs around the headings, or None when nothing is known.
+
+        Raises:
+            InvalidInput: The numbers of sets and robots differ, or a set is empty.
+        """
+        robots = self.team.robots
+        if len(positions) != robots:
+            raise InvalidInput(f"one initial polygon for each of {robots} robots", f"{len(positions)} polygons")
+        known = AngularIntervals.circles(robots) if headings is None else headings
+        if len(known) != robots or known.empty.any():
+            raise InvalidInput(f"an initial arc for each of {robots} headings, none empty", f"{len(known)} arcs")
+        sets = tuple(
+            Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
+            for polygon, centre, bound in zip(positions, known.centre.tolist(), known.bound.tolist(), strict=True)
+        )
+        votes = Votes.none(robots, robots + len(self.team.landmarks), number("time [s]", time))
+        trust = Trust.full(robots, robots + len(self.team.landmarks), float(time))
+        return RobustBelief(float(time), sets, votes, trust, np.full(robots, np.inf), np.full(robots, -np.inf))
+
+    def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
+        """Return the belief at a later time, after the robots have moved.
+
+        A robot that the odometry does not name can have moved within the team's limits.
+
+        Raises:
+            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
+            InvalidInput: The odometry ends at another time, or names an unknown robot.
+        """
+        self.team.check_motion(belief.time, time, odometry)
+        moves = _moves(odometry, self.team, time - belief.time)
+        sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
+        return replace(belief, time=time, sets=sets, events=())
+
+    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
+        low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
+        move(low, high, reach, distance, turn, aside)
+        left = stay_within(reach, self.arena)
+        if not left.any():  # the belief was wrong before; what follows will tell
+            left, reach = np.ones(len(low), dtype=bool), np.tile(self.arena, (len(low), 1))
+        moved = Hypotheses(known.without, low, high, reach)
+        moved = moved if left.all() else moved.select(left)
+        return moved.cut_anew(self.cells) if moved.stretched(self.cells) else moved
+
+    def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
+        """Return the belief after merging measurements taken at its time.
+
+        Args:
+            belief: Stays as it is.
+            measurements: Records, in any order.
+
+        Raises:
+            OutOfOrder: A record is of another time than the belief.
+            InvalidInput: A record names an unknown robot or landmark.
+        """
+        records = self.team.checked(belief.time, measurements)
+        merging = Merging(belief, self.team, self.rules, self.suspicion, self.cells)
+        merging.merge(Sightings.of(records, self.team.robots))
+        return merging.ended(self.arena)
+
+    @cached_property
+    def arena(self) -> Array:
+        """(COUNT,) supports of the arena, or of far more than any robot drives [m]."""
+        corners = np.clip(self.team.arena, -FARTHEST, FARTHEST)
+        return reach_of(Polygon.box(*corners))
+
+
+def _moves(odometry: Odometry | None, team: Team, duration: float) -> list[tuple[Array, Array, Array]]:
+    """Return each robot's least and greatest path and turn, and the bound of its direction and its slip."""
+    free = np.zeros(2), np.array([-1.0, 1.0]) * team.turn_rate_limit * duration, np.array([0.0, team.speed_limit * duration])
+    moves = [free] * team.robots
+    if odometry is not None:
+        both = np.array([-1.0, 1.0])
+        distance = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
+        turn = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
+        aside = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
+        for k, robot in enumerate(odometry.robot.tolist()):
+            moves[robot] = distance[k], turn[k], aside[k]
+    return moves

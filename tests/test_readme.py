@@ -27,14 +27,14 @@ def test_every_file_that_the_readme_links_is_there():
 
 def test_the_reading_order_names_every_module_of_the_filter_once():
     listed = README[README.index("`filter/` reads from top") :]
-    order = [name for line in re.findall(r"^\d\. (.*?):", listed, re.MULTILINE) for name in re.findall(r"`(\w+)`", line)]
+    order = [name for line in re.findall(r"^\d+\. (.*?):", listed, re.MULTILINE) for name in re.findall(r"`(\w+)`", line)]
     modules = {path.stem for path in (ROOT / "filter").glob("*.py")} - {"__init__"}
     assert sorted(order) == sorted(modules)
 
 
 def test_the_reading_order_is_that_of_the_imports():
     listed = README[README.index("`filter/` reads from top") :]
-    order = [name for line in re.findall(r"^\d\. (.*?):", listed, re.MULTILINE) for name in re.findall(r"`(\w+)`", line)]
+    order = [name for line in re.findall(r"^\d+\. (.*?):", listed, re.MULTILINE) for name in re.findall(r"`(\w+)`", line)]
     for place, name in enumerate(order):
         imported = re.findall(r"^from filter\.(\w+) import", (ROOT / f"filter/{name}.py").read_text(), re.MULTILINE)
         assert set(imported) <= set(order[:place]), name

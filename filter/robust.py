@@ -10,7 +10,6 @@ import numpy as np
 
 from filter.angles import AngularIntervals
 from filter.arrays import Array, number, whole
-from filter.errors import InvalidInput
 from filter.hypotheses import Hypotheses, reach_of
 from filter.measurements import Measurement, Odometry
 from filter.merging import Merging
@@ -59,12 +58,7 @@ class RobustFilter:
         Raises:
             InvalidInput: The numbers of sets and robots differ, or a set is empty.
         """
-        robots = self.team.robots
-        if len(positions) != robots:
-            raise InvalidInput(f"one initial polygon for each of {robots} robots", f"{len(positions)} polygons")
-        known = AngularIntervals.circles(robots) if headings is None else headings
-        if len(known) != robots or known.empty.any():
-            raise InvalidInput(f"an initial arc for each of {robots} headings, none empty", f"{len(known)} arcs")
+        robots, known = self.team.robots, self.team.initial_headings(positions, headings)
         sets = tuple(
             Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
             for polygon, centre, bound in zip(positions, known.centre.tolist(), known.bound.tolist(), strict=True)

@@ -112,12 +112,7 @@ class SetMembershipFilter:
         Raises:
             InvalidInput: The numbers of sets and robots differ, or a set is empty.
         """
-        robots = self.team.robots
-        if len(positions) != robots:
-            raise InvalidInput(f"one initial polygon for each of {robots} robots", f"{len(positions)} polygons")
-        known = AngularIntervals.circles(robots) if headings is None else headings
-        if len(known) != robots or known.empty.any():
-            raise InvalidInput(f"an initial arc for each of {robots} headings, none empty", f"{len(known)} arcs")
+        robots, known = self.team.robots, self.team.initial_headings(positions, headings)
         corners = np.array([polygon.bounds for polygon in positions])
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
         if (lower > upper).any():

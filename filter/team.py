@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, finite, number, read_only
 from filter.errors import InvalidInput, OutOfOrder
 from filter.measurements import Compass, Measurement, Odometry
+from filter.polygon import Polygon
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +58,23 @@ class Team:
         self._known("robot", record.robot, self.robots)
         if not isinstance(record, Compass | Odometry):
             self._known("target", record.target, self.robots + len(self.landmarks))
+
+    def initial_headings(self, positions: Sequence[Polygon], headings: AngularIntervals | None) -> AngularIntervals:
+        """Return (n) arcs around the robots' first headings, whole circles where nothing is known.
+
+        Args:
+            positions: (n) a polygon around each robot.
+            headings: (n) arcs, or None when nothing is known.
+
+        Raises:
+            InvalidInput: The numbers of sets and robots differ, or an arc is empty.
+        """
+        if len(positions) != self.robots:
+            raise InvalidInput(f"one initial polygon for each of {self.robots} robots", f"{len(positions)} polygons")
+        known = AngularIntervals.circles(self.robots) if headings is None else headings
+        if len(known) != self.robots or known.empty.any():
+            raise InvalidInput(f"an initial arc for each of {self.robots} headings, none empty", f"{len(known)} arcs")
+        return known
 
     def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> None:
         """Check a prediction from one time to another.

@@ -21,6 +21,7 @@ from filter.team import Team
 from sim.frame import Frame, Truth
 
 TRAIL = 8.0  # how long a robot's way stays to be seen [s]
+UNKNOWN_ARENA = np.array([[-4.0, -4.0], [4.0, 4.0]])  # what is shown at least where the arena has no limits [m]
 ARROW = 0.28  # length of the arrow that shows a heading [m]
 ALL, PLOTTED = "team", ("mean", "least", "greatest")  # names of what is drawn of a large team
 LABEL = 0.1  # how far below a polygon its robot's name stands [m]
@@ -172,3 +173,18 @@ def rays(frame: Frame, belief: Located, team: Team) -> Iterator[tuple[str, Item]
         pairs = [pair for record in records for pair in zip(record.robot, record.target, strict=True)]
         lines = tuple(at_height(places[list(pair)], "rays") for pair in pairs)
         yield f"/world/rays/{kind.__name__.lower()}", Strips(lines)
+
+
+def triangles_of(counts: Sequence[int]) -> list[Array]:
+    """Return the triangles, as numbers of vertices laid end to end, of fans with so many vertices."""
+    firsts = np.cumsum([0, *counts[:-1]])
+    fans = [np.array([[0, k, k + 1] for k in range(1, count - 1)], dtype=np.int64).reshape(-1, 3) for count in counts]
+    return [first + fan for first, fan in zip(firsts, fans, strict=True)]
+
+
+def extent_of(team: Team) -> tuple[Array, Array]:
+    """Return lower and upper corner of what the view from above shows."""
+    if np.isfinite(team.arena).all():
+        return team.arena[0], team.arena[1]
+    points = np.concatenate([team.landmarks, UNKNOWN_ARENA])
+    return points.min(axis=0), points.max(axis=0)

@@ -153,6 +153,7 @@ class Following:
             wall_height=scenario.wall_height,
             recording_id=f"moving_team_{options.replay.stem if options.replay else options.seed}",
             camera=options.camera,
+            inside=options.hops is None,
             viewer=viewer,
         )
         self._certificates = Certificates(folder) if options.certificates else None

@@ -145,9 +145,8 @@ class Following:
         self.tally = Tally(scenario.header.start)
         self._scenario = scenario
         self._trajectories = Trajectories(folder, scenario.team)
-        self._recording = Recording(
-            folder / "mrclam.rrd", scenario.team, recording_id=recording_id, walls=scenario.walls, wall_height=0.0
-        )
+        path, walls = folder / "mrclam.rrd", scenario.walls
+        self._recording = Recording(path, scenario.team, recording_id=recording_id, walls=walls, wall_height=0.0, inside=False)
         self._changes = Changes(scenario.team)
         self._recorded = -np.inf
 

@@ -32,6 +32,8 @@ from experiments.drawing import (
     Strips,
     at_height,
     closed,
+    extent_of,
+    triangles_of,
 )
 from experiments.located import Located
 from filter.arrays import Array
@@ -43,7 +45,6 @@ APPLICATION = "corral"
 SEND_EVERY = 1.0  # [s] of the run's time
 VIEWER_PATIENCE = 10.0  # [s] that a viewer may take at the end to receive what is left
 NARROWEST = 1.3  # width over height of a view from above that still shows the whole arena
-UNKNOWN_ARENA = np.array([[-4.0, -4.0], [4.0, 4.0]])  # what is shown at least where the arena has no limits [m]
 BACKGROUND: Colour = (22, 24, 29)
 WALL: Colour = (112, 118, 130)
 INK: Colour = (245, 246, 248)
@@ -77,6 +78,7 @@ class Recording:
         walls: Array,
         wall_height: float,
         camera: bool = False,
+        inside: bool = True,
         viewer: str | None = None,
     ) -> None:
         """Open the file and draw what never moves.
@@ -88,13 +90,14 @@ class Recording:
             walls: (w, 4) lower x, lower y, upper x, upper y of each wall [m]; without any, the arena is outlined.
             wall_height: [m].
             camera: Whether there will be images, which need a place.
+            inside: Whether anything will be known from inside; else there is no performance ratio to plot.
             viewer: Address of a live viewer (see `experiments.viewer`), or None.
         """
         batches = rr.ChunkBatcherConfig(flush_tick=3600.0, flush_num_bytes=1 << 26, flush_num_rows=1 << 20)
         self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False, batcher_config=batches)
         self._stream.set_log_time_enabled(False)
         live = [rr.GrpcSink(viewer)] if viewer else []
-        self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera))
+        self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera, inside))
         self._drawing = Drawing(team) if team.robots <= INDIVIDUALLY else Layers(team)
         self._rows: dict[str, list[tuple[int, float, Any]]] = defaultdict(list)
         self._step, self._time, self._sent = -1, 0.0, -np.inf
@@ -261,22 +264,15 @@ def _columns(items: Sequence[Any]) -> list[Any]:
 
 def _fans(items: Sequence[Fans]) -> list[Any]:
     points = [np.concatenate(item.polygons) for item in items]
-    triangles = [np.concatenate(_triangles([len(vertices) for vertices in item.polygons])) for item in items]
+    triangles = [np.concatenate(triangles_of([len(vertices) for vertices in item.polygons])) for item in items]
     corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(points)).partition([len(each) for each in points])
     indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(each) for each in triangles])
     return [*corners, *indices]
 
 
-def _triangles(counts: Sequence[int]) -> list[Array]:
-    """Return the triangles, as numbers of vertices laid end to end, of fans with so many vertices."""
-    firsts = np.cumsum([0, *counts[:-1]])
-    fans = [np.array([[0, k, k + 1] for k in range(1, count - 1)], dtype=np.int64).reshape(-1, 3) for count in counts]
-    return [first + fan for first, fan in zip(firsts, fans, strict=True)]
-
-
-def blueprint(team: Team, camera: bool) -> rrb.Blueprint:
+def blueprint(team: Team, camera: bool, inside: bool) -> rrb.Blueprint:
     """Return how a recording opens: the arena from above, a close-up, plots of area and performance ratio, the events."""
-    lower, upper = _extent(team)
+    lower, upper = extent_of(team)
     middle, size = (lower + upper) / 2, upper - lower
     arena = _from_above("Arena from above", (*middle, 0.0), float(max(size[1], size[0] / NARROWEST)) * 1.06)
     middle_one = team.name(team.robots // 2)
@@ -295,7 +291,8 @@ def blueprint(team: Team, camera: bool) -> rrb.Blueprint:
     columns = rrb.TextLogColumns(timeline_columns=[hidden], text_log_columns=["LogLevel", "Body"])
     events = rrb.TextLogView(origin="/events", name="Events", columns=columns)
     images = [rrb.Spatial2DView(origin="/camera", name="Camera")] if camera else []
-    right = rrb.Vertical(rrb.Tabs(*images, close), area, ratio, events, row_shares=[1.4, 1.5, 0.9, 0.95])
+    shares = [1.4, 1.5, 0.9, 0.95] if inside else [1.4, 1.5, 0.95]
+    right = rrb.Vertical(rrb.Tabs(*images, close), area, *([ratio] if inside else []), events, row_shares=shares)
     return rrb.Blueprint(
         rrb.Horizontal(arena, right, column_shares=[2.3, 1]),
         rrb.TimePanel(timeline="t", state="collapsed"),
@@ -309,11 +306,3 @@ def _from_above(name: str, target: Sequence[float], height: float, tracked: str 
         kind="Orbital", position=(x, y, z + height), look_target=(x, y, z), eye_up=(0.0, 1.0, 0.0), tracking_entity=tracked
     )
     return rrb.Spatial3DView(origin="/world", name=name, background=BACKGROUND, line_grid=False, eye_controls=eye)
-
-
-def _extent(team: Team) -> tuple[Array, Array]:
-    """Return lower and upper corner of what the view from above shows."""
-    if np.isfinite(team.arena).all():
-        return team.arena[0], team.arena[1]
-    points = np.concatenate([team.landmarks, UNKNOWN_ARENA])
-    return points.min(axis=0), points.max(axis=0)

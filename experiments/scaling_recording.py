@@ -25,6 +25,7 @@ def record_size(case: Case, path: Path) -> None:
         recording_id=f"scaling_{case.robots}_{case.seed}",
         walls=scenario.walls,
         wall_height=scenario.wall_height,
+        inside=False,
     )
     with recording, StepProgress(case.frames) as progress:
         for step in steps(SetMembershipFilter(scenario.team, scope=Window()), scenario):

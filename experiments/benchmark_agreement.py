@@ -11,13 +11,13 @@ from experiments.benchmark_ways import EXACT, Problem, by_kernel
 from experiments.comparison import Case
 from experiments.run import steps
 from experiments.timing import clocked
-from filter import regions
+from filter import pairs, regions
 from filter.projection import certified_offsets
 from filter.set_membership import SetMembershipFilter
 from filter.window import Window
 
 # Where the filter's step calls for projections, of the whole team and of windows.
-PROJECTIONS = ("project_all", "project_windows")
+PROJECTIONS, PAIRS = ("project_all", "project_windows"), ("project_pairs",)
 WARM = 5  # steps that find caches cold
 
 
@@ -100,13 +100,14 @@ def shares_of(seed: int, duration: float, scope: str) -> Shares:
     scenario = Case("uniform", seed, 6, duration).scenario()
     team_filter = SetMembershipFilter(scenario.team, scope=Window() if scope == "window" else "team")
     every, projecting = [], []
-    with clocked(regions, PROJECTIONS) as spent:
+    with clocked(regions, PROJECTIONS) as spent, clocked(pairs, PAIRS) as of_pairs:
         frames = list(scenario.frames)  # so that the simulator's time is not in the steps'
         begin = process_time()
         for _ in steps(team_filter, replace(scenario, frames=iter(frames))):
             every.append(process_time() - begin)
-            projecting.append(sum(spent))
+            projecting.append(sum(spent) + sum(of_pairs))
             spent.clear()
+            of_pairs.clear()
             begin = process_time()
     warm = slice(min(WARM, len(every) - 1), None)
     return Shares(float(np.median(every[warm])), 1 - sum(projecting[warm]) / sum(every[warm]))

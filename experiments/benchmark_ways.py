@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from filter.arrays import Array
+from filter.constraints import WORLD
 from filter.exact import Walker, project_exactly
 from filter.lp import LinearProgram
 from filter.polytope import Polytope
@@ -66,7 +67,7 @@ class Problem:
 
 def by_kernel(problem: Problem, task: Task) -> Windowed:
     """Walk around the shadow in compiled code, certify, simplify and cut: all that the filter does for a window."""
-    return project_window(problem.robot, task, np.full(len(problem.polytope.lower), -1))
+    return project_window(WORLD, problem.robot, task, np.full(len(problem.polytope.lower), -1))
 
 
 def by_walker(problem: Problem) -> None:

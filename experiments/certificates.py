@@ -1,8 +1,9 @@
 """A run's proofs as `certificates.jsonl.gz`, for `python -m experiments.prove` and for anybody else's checker.
 
-One JSON object a line, one line for every edge of every outer polygon and for every side of a robot's box, every float as
-a C99 hexadecimal string, which is exact. It says: for every x within the box that satisfies the rows,
-normal . x_robot <= offset. The rows are normal . (x_j - x_i) <= offset, or of x_j alone where i is -1.
+One JSON object a line, one line for every edge of every outer polygon, of robots and of pairs that were projected, and for
+every side of a robot's box; every float as a C99 hexadecimal string, which is exact. It says: for every x within the box that
+satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot alone where `from` is -1. The rows are
+normal . (x_j - x_i) <= offset, or of x_j alone where i is -1.
 
 `headings.jsonl.gz` beside it holds each step's heading intervals, which the motion of the rows depends on.
 """
@@ -73,14 +74,15 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
     }
     lower, upper = proof.polytope.lower, proof.polytope.upper
     found = []
-    for claim, robot in enumerate(proof.robot.tolist()):
+    for claim, (robot, seen_from) in enumerate(zip(proof.j.tolist(), proof.i.tolist(), strict=True)):
         used, multipliers = proof.rests_on(claim)
         numbers = used.tolist()
-        bodies = sorted({robot, *rows.i[used].tolist(), *rows.j[used].tolist()} - {-1})
+        bodies = sorted({robot, seen_from, *rows.i[used].tolist(), *rows.j[used].tolist()} - {-1})
         found.append(
             {
                 "t": float(time).hex(),
                 "robot": robot,
+                "from": seen_from,
                 "normal": hexadecimal(proof.normal[claim]),
                 "offset": float(proof.offset[claim]).hex(),
                 "rows": [of_rows[k] | {"multiplier": y.hex()} for k, y in zip(numbers, multipliers.tolist(), strict=True)],

@@ -156,9 +156,9 @@ def beliefs(duration: float, seed: int) -> Iterator[Belief]:
 
 def cost(belief: Belief) -> tuple[float, float, float]:
     """Return how long a step's solving takes, the proofs of edges, boxes and emptiness, and those of inner points [s]."""
-    edges, boxes = belief.proofs
+    edges, boxes = belief.proofs[:2]
     program, again, robots = edges.polytope.program(), edges.polytope.program(), len(belief.regions)
-    objectives = [edges.normal[edges.robot == robot] @ position(robot, robots) for robot in range(robots)]
+    objectives = [edges.normal[edges.j == robot] @ position(robot, robots) for robot in range(robots)]
     begin = perf_counter()
     solver, deepest = workspace(program, "piqp"), deepest_point(program, "piqp")
     found = [[one for one in map(solver.maximize, each) if one] for each in objectives]

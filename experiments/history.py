@@ -122,10 +122,9 @@ def motion_rows(moves: Displacements, now: int, tangents: int) -> list[Constrain
 def without_implied(rows: Constraints, lower: Array, upper: Array) -> Constraints:
     """Return the rows without those that the others on the same robot or pair imply, within a box (n, 2) and (n, 2)."""
     polytope, (order, i, j, size) = Polytope(rows, lower, upper), rows.grouped()
-    alone, keep, stays = i == WORLD, np.zeros(len(rows), dtype=bool), np.zeros(len(size), dtype=bool)
-    for some, cuts in ((alone, polytope.of_robots(j[alone])), (~alone, polytope.of_pairs(i[~alone], j[~alone]))):
-        keep[cuts.edges[cuts.edges >= 0]] = True
-        stays[some] = cuts.empty  # rows that exclude one another all stay
+    keep, cuts = np.zeros(len(rows), dtype=bool), polytope.of(i, j)
+    keep[cuts.edges[cuts.edges >= 0]] = True
+    stays = cuts.empty  # rows that exclude one another all stay
     keep[order[np.repeat(stays, size)]] = True
     return rows.select(keep)
 

@@ -99,7 +99,7 @@ class Spread:
 def spread_over_orders(case: StaticCase, orders: int, generator: np.random.Generator) -> Spread:
     """Return how results differ between random orders of the same bearings."""
     team = Team(len(case.positions), speed_limit=0.0, turn_rate_limit=0.0)
-    sets, kalman = SetMembershipFilter(team), ExtendedKalmanFilter(team)
+    sets, kalman = SetMembershipFilter.light(team), ExtendedKalmanFilter(team)
     prior, guess = sets.start(0.0, case.initial, case.headings), kalman.start(0.0, case.initial, case.headings)
     free = [
         robot for robot, polygon in enumerate(case.initial) if np.ptp(polygon.vertices, axis=0).any()

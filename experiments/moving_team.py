@@ -57,6 +57,8 @@ class Options:
     """Where they drive: mujoco, made for up to 100 robots, or kinematic, lighter by far."""
     hops: int | None = None
     """Find each region in the window of the robots so many sightings away, not in the whole team; 1 does for large teams."""
+    light: bool = False
+    """Take less along from step to step, for large teams: rows of fewer kinds, and fewer of them."""
     solver: str = EXACT
     """How regions are found: exact, or searched by piqp or any other solver that qpsolvers finds here."""
     measurements: MeasurementChoice = "all"
@@ -94,7 +96,8 @@ def run(options: Options) -> int:
     """
     scenario = scenario_of(options)
     scope: Scope = "team" if options.hops is None else Window(options.hops)
-    team_filter = SetMembershipFilter(scenario.team, options.solver, scope=scope, policy=options.policy)
+    make = SetMembershipFilter.light if options.light else SetMembershipFilter
+    team_filter = make(scenario.team, solver=options.solver, scope=scope, policy=options.policy)
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)
     conflict = following.run(team_filter)

@@ -3,9 +3,10 @@
     python -m experiments.prove FOLDER
 
 reads FOLDER/certificates.jsonl.gz (see docs/soundness.md). Each line claims: for every x with lower <= x <= upper that
-satisfies the rows, normal . x_robot <= offset. With the line's multipliers y >= 0 of the rows A x <= b, and c the normal in
-the robot's coordinates, c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; the claim is proved
-if that is no greater than its offset. Then each step is tied to what came before it: see `experiments.prove_chain`.
+satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot alone where `from` is -1. With the line's multipliers
+y >= 0 of the rows A x <= b, and c the normal in the robots' coordinates,
+c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; the claim is proved if that is no greater than its
+offset. Then each step is tied to what came before it: see `experiments.prove_chain`.
 
 Exit code: 0 if everything is proved, 1 at the first line or link that is not, 2 if there is no such file.
 """
@@ -27,12 +28,16 @@ BAR = 40  # characters
 
 
 def greatest(line: dict[str, Any]) -> Fraction:
-    """Return what the line's multipliers prove to be above normal . x_robot.
+    """Return what the line's multipliers prove to be above normal . (x_robot - x_from).
 
     Raises:
-        Broken: A multiplier is negative, or the box is empty.
+        Broken: A multiplier is negative, the box is empty, or the pair is none.
     """
+    if line["from"] >= line["robot"]:
+        raise Broken("a pair in the wrong order")
     rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
+    if line["from"] >= 0:
+        rest |= {(line["from"], k): -exact(value) for k, value in enumerate(line["normal"])}
     total = Fraction(0)
     for row in line["rows"]:
         multiplier = exact(row["multiplier"])

@@ -1,12 +1,14 @@
 """Ties each step of a run to its measurements and to the step before: exact arithmetic, standard library only.
 
-Every row that a certificate rests on has to follow from something: an edge that was proved in this step or in the last one
-(moved outward by what the robot can have driven), an initial set, or a measurement in the log. Boxes likewise. What is taken
-on trust is counted: headings narrowed by bearings, and near sides of ranges over arcs narrower than one bearing's own.
+Every row that a certificate rests on has to follow from something: an edge that was proved in this step or in an earlier one
+(moved outward by what the robots can have driven since), two such edges that meet in a corner, an initial set, or a
+measurement in the log. Boxes likewise. What is taken on trust is counted: headings narrowed by bearings, and near sides of
+ranges over arcs narrower than one bearing's own.
 """
 
 from collections import Counter
 from fractions import Fraction
+from math import atan2, pi
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,10 @@ from experiments.prove_exact import PI, PI_ROUNDING, Motion, Vector, length
 from experiments.prove_log import Log, compass
 
 SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
+WORLD = -1
+NEIGHBOURS = 3  # edges to either side of a normal that are tried for the corner it goes through
 Record = dict[str, Any]
+Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j) or pair i, j: offsets by normals
 
 
 class Broken(Exception):
@@ -34,8 +39,8 @@ class Chain:
         self._log = Log(folder) if there else None
         self._since: float | None = None
         self._history: list[list[Motion] | None] = []  # by the log's frames
-        self._last: dict[tuple[int, Vector], Fraction] = {}  # what was proved of each robot in the last step
-        self._now: dict[tuple[int, Vector], Fraction] = {}  # and so far in this one
+        self._proved: dict[float | None, Edges] = {}  # what was proved at each time of each robot or pair
+        self._now: Edges = {}  # and so far in this step
         self._grown: dict[tuple[Any, ...], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
 
@@ -59,6 +64,7 @@ class Chain:
             raise Broken(f"t = {time} s: the log has another frame there")
         self._history.append(self._log.motions(self._since, time))
         self._now, self._seen = {}, set()
+        self._proved[time] = self._now
         for line in step:
             try:
                 self._check_boxes(self._log, line)
@@ -66,14 +72,17 @@ class Chain:
                     self._check_row(self._log, row, source)
             except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
                 raise Broken(f"t = {time} s, an edge of robot {line['robot']}: {error}") from None
-            claim = line["robot"], plane(line["normal"])
-            self._now[claim] = min(exact(line["offset"]), self._now.get(claim, exact(line["offset"])))
+            self._claim((line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"]))
         self._close(self._log, time)
 
     def _close(self, log: Log, time: float) -> None:
         for robot in range(log.header["robots"]):
             self.links[_heading_link(log, robot, self._since, time)] += 1
-        self._last, self._since = self._now, time
+        self._since = time
+
+    def _claim(self, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
+        edges = self._now.setdefault(pair, {})
+        edges[normal] = min(offset, edges.get(normal, offset))
 
     def _support(self, frame: int, body: int, normal: Vector) -> Fraction:
         motions = self._history[frame]
@@ -85,47 +94,55 @@ class Chain:
             if (key := f"{body} {line['lower'][body]} {line['upper'][body]}") in self._seen:
                 continue
             self._seen.add(key)
-            for side, k, normal in SIDES:
-                sign, robot = (1 if side == "upper" else -1), int(body)
-                side_of = robot, plane(normal)
-                before = self._last[side_of] if self._last else max(sign * corner[k] for corner in log.vertices[robot])
-                needed = before + self._support(-1, robot, plane(normal))
+            for side, k, direction in SIDES:
+                sign, robot, normal = (1 if side == "upper" else -1), int(body), plane(direction)
+                if self._since is None:
+                    before = max(sign * corner[k] for corner in log.vertices[robot])
+                else:
+                    before = self._proved[self._since][WORLD, robot][normal]
+                needed = before + self._support(-1, robot, normal)
                 limit = log.header["arena"][side == "upper"][k]
                 needed = needed if limit is None else min(needed, sign * Fraction(limit))
+                needed = min(needed, self._now.get((WORLD, robot), {}).get(normal, needed))
                 offset = sign * exact(line[side][body][k])
                 if offset < needed:
                     raise Broken(f"the {side} side of robot {body}'s box lies {float(needed - offset):.3g} m too far inside")
-                self._now[side_of] = min(offset, self._now.get(side_of, offset))
-            self.links["boxes, from the last step's edges, motion and the arena"] += 1
+                self._claim((WORLD, robot), normal, offset)
+            self.links["boxes, from edges, motion and the arena"] += 1
 
     def _check_row(self, log: Log, row: Record, source: Record) -> None:
         if (key := str((row["i"], row["j"], row["normal"], row["offset"], source))) in self._seen:
             return
         self._seen.add(key)
         offset, normal = exact(row["offset"]), plane(row["normal"])
-        link = self._of_robot(log, row["j"], normal, offset) if row["i"] < 0 else None
-        if link is None:
-            taken = float.fromhex(source["t"])
-            grown = self._growth(log, (row["i"], row["j"], normal, taken))
-            link = of_measurement(log, row, source, offset - grown)
+        pair, taken = (row["i"], row["j"]), float.fromhex(source["t"])
+        link = self._of_edges(log, pair, normal, offset, taken if source["kind"] == "region" else self._since)
+        if link is None and row["i"] < 0 and self._since is None:
+            start = max(normal[0] * x + normal[1] * y for x, y in log.vertices[row["j"]])
+            link = "rows of initial sets" if start + self._support(-1, row["j"], normal) <= offset else None
+        if link is None and source["kind"] in ("bearing", "range"):
+            link = of_measurement(log, row, source, offset - self._growth(log, (*pair, normal, taken)))
         if link is None:
             raise Broken(f"a row on {row['i']}, {row['j']} follows from nothing known; it says it is of {source}")
         self.links[link] += 1
 
-    def _of_robot(self, log: Log, robot: int, normal: Vector, offset: Fraction) -> str | None:
-        """Return why a row on one robot holds, if it is an edge that was proved already, or of an initial set."""
-        claim = robot, normal
-        if claim in self._now and self._now[claim] <= offset:
+    def _of_edges(self, log: Log, pair: tuple[int, int], normal: Vector, offset: Fraction, taken: float | None) -> str | None:
+        """Return why a row holds, if it is an edge proved in this step or at a time before, or goes through a corner."""
+        edge = self._now.get(pair, {}).get(normal)
+        if edge is not None and edge <= offset:
             return "rows that are edges proved in the same step"
-        if claim in self._last and self._last[claim] + self._support(-1, robot, normal) <= offset:
-            return "rows that are edges of the last step, moved"
-        start = max(normal[0] * x + normal[1] * y for x, y in log.vertices[robot])
-        if self._since is None and start + self._support(-1, robot, normal) <= offset:
-            return "rows of initial sets"
-        return None
+        before = self._proved.get(taken, {}) if taken is not None else {}
+        if taken is None or pair not in before:
+            return None
+        then = offset - self._growth(log, (*pair, normal, taken))
+        edge = before[pair].get(normal)
+        if edge is not None and edge <= then:
+            return "rows that are edges of an earlier step, moved"
+        corner = through_corner(all_edges(before, pair), normal)
+        return "rows through corners of an earlier step, moved" if corner is not None and corner <= then else None
 
     def _growth(self, log: Log, row: tuple[int, int, Vector, float]) -> Fraction:
-        """Return how much a row on a pair has moved outward since it was measured."""
+        """Return how much a row has moved outward since it was measured or proved."""
         i, j, normal, taken = row
         frame, total = self._grown.get(row, (log.times.index(taken), Fraction(0)))
         back = (-normal[0], -normal[1])
@@ -133,6 +150,36 @@ class Chain:
             total += self._support(later, j, normal) + (self._support(later, i, back) if i >= 0 else 0)
         self._grown[row] = len(self._history) - 1, total
         return total
+
+
+def all_edges(proved: Edges, pair: tuple[int, int]) -> dict[Vector, Fraction]:
+    """Return what was proved of a robot, or of a pair with what the two boxes say of it."""
+    edges, (i, j) = dict(proved[pair]), pair
+    for _, _, direction in SIDES if i != WORLD else ():
+        normal, back = plane(direction), plane((-direction[0], -direction[1]))
+        if normal in proved.get((WORLD, j), {}) and back in proved.get((WORLD, i), {}):
+            side = proved[WORLD, j][normal] + proved[WORLD, i][back]
+            edges[normal] = min(side, edges.get(normal, side))
+    return edges
+
+
+def through_corner(edges: dict[Vector, Fraction], normal: Vector) -> Fraction | None:
+    """Return the least offset in a direction that two edges prove, one to either side of it; None if there are no such two."""
+    angle = atan2(normal[1], normal[0])
+    turn = {edge: (atan2(edge[1], edge[0]) - angle) % (2 * pi) for edge in edges}
+    order, found = sorted(edges, key=lambda edge: turn[edge]), []
+    for a in order[-NEIGHBOURS:]:
+        for b in order[:NEIGHBOURS]:
+            turned = across(a, b)
+            weights = (across(normal, b), across(a, normal)) if turned > 0 else (Fraction(-1),) * 2
+            if min(weights) >= 0:
+                found.append((weights[0] * edges[a] + weights[1] * edges[b]) / turned)
+    return min(found, default=None)
+
+
+def across(a: Vector, b: Vector) -> Fraction:
+    """Return the cross product of two vectors."""
+    return a[0] * b[1] - a[1] * b[0]
 
 
 def of_measurement(log: Log, row: Record, source: Record, offset: Fraction) -> str | None:

@@ -28,6 +28,6 @@ def record_size(case: Case, path: Path) -> None:
         inside=False,
     )
     with recording, StepProgress(case.frames) as progress:
-        for step in steps(SetMembershipFilter(scenario.team, scope=Window()), scenario):
+        for step in steps(SetMembershipFilter.light(scenario.team, scope=Window()), scenario):
             recording.add(step.frame, step.belief)
             progress.advance(step.frame.time, step.seconds)

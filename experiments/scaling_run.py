@@ -16,6 +16,7 @@ from experiments.scaling_size import LEFT_OUT, Case, Size
 from experiments.scenarios import Scenario
 from experiments.tuning import TUNED
 from filter.belief import Belief
+from filter.constraints import WORLD
 from filter.ekf import ExtendedKalmanFilter
 from filter.errors import Inconsistent
 from filter.set_membership import PHASES, SetMembershipFilter
@@ -102,7 +103,7 @@ def measure(case: Case) -> Iterator[float | Size]:
     stopwatch = Stopwatch(scenario.frames)
     first: list[Frame] = []
     phases = Phases()
-    team_filter = SetMembershipFilter(scenario.team, scope=Window(), on_phase=phases)
+    team_filter = SetMembershipFilter.light(scenario.team, scope=Window(), on_phase=phases)
     tally, conflict = Tally(Window(), phases), None
     try:
         for step in steps(team_filter, replace(scenario, frames=stopwatch)):
@@ -124,7 +125,7 @@ def warm_up() -> float:
     """Let a small team make a few steps, for everything to be compiled and loaded; return how long that takes [s]."""
     begin = perf_counter()
     scenario = Case(WARM_UP_ROBOTS, "kinematic", "uniform", 0, steps=0).scenario()
-    for _ in steps(SetMembershipFilter(scenario.team, scope=Window()), scenario):
+    for _ in steps(SetMembershipFilter.light(scenario.team, scope=Window()), scenario):
         pass
     return rounded(perf_counter() - begin)
 
@@ -158,7 +159,7 @@ def window_sizes(belief: Belief, window: Window) -> list[int]:
     who, sizes = links(belief.constraints, robots), []
     for robot in range(robots):
         place = np.full(robots, -1)
-        sizes.append(len(members_of(robot, window.hops, window.robots, who.near, who.near_first, place)))
+        sizes.append(len(members_of(WORLD, robot, window.hops, window.robots, who.near, who.near_first, place)))
     return sizes
 
 

@@ -64,7 +64,7 @@ def localize(formation: Formation, anchors: Array, stop: Stop, solver: str = "pi
         Inconsistent: Some bound is broken.
     """
     team = Team(len(formation), speed_limit=0.0, turn_rate_limit=0.0)
-    static_filter = SetMembershipFilter(team, solver, stop)
+    static_filter = SetMembershipFilter.light(team, solver=solver, stop=stop)  # nothing moves
     case = formation.case(anchors)
     prior = static_filter.start(0.0, case.initial, case.headings)
     return Localized(formation, anchors, static_filter.update(prior, [formation.bearings]))

@@ -25,7 +25,7 @@ from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.terminal import Counting, print_table, tell
 from experiments.tightness_figures import draw_budgets, draw_over_time
-from experiments.tightness_runs import BUDGETS, DEFAULT, REMEMBERED, ROOM, Followed, Optimum, Variant, follow, optimum_at
+from experiments.tightness_runs import BUDGETS, DEFAULT, WITHOUT, Followed, Optimum, Variant, follow, optimum_at
 from filter.arrays import Array, number, whole
 from filter.errors import InvalidInput
 from filter.projection import Stop
@@ -60,9 +60,7 @@ class Options:
     tangent_spacing: float = 30.0
     """Greatest angle between the tangents of a range, in the filter and in the optimum [degrees]."""
     alone: bool = False
-    """Leave out the other budgets of rows and the windows."""
-    remember: bool = False
-    """Follow the run with slower filters, too, that take more along: this tells where the default one loses."""
+    """Leave out the filters with other budgets, those that take less along, and the windows."""
     workers: int | None = None
     """Processes; as many as there are cores if not given."""
     out: Path = Path("runs/tightness")
@@ -120,8 +118,8 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
     variants = {name: Variant(*BUDGETS[name], spacing) for name in budgets}
     if not options.alone:
         variants["window"] = Variant(*BUDGETS[DEFAULT], spacing, window=True)
-    for name, kinds in REMEMBERED.items() if options.remember else ():
-        variants[name] = Variant(*ROOM, spacing, remembered=kinds)
+        for name, (pairs, corners) in WITHOUT.items():
+            variants[name] = Variant(*BUDGETS[DEFAULT], spacing, pairs=pairs, corners=corners)
     stop = Stop(options.performance_ratio, 0.0, SEARCHES)
     with executor(options.workers) as pool, Counting(len(variants) + len(steps), "runs and optima") as progress:
         first = pool.submit(follow, case, variants.pop(DEFAULT), options.tangents)
@@ -133,7 +131,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
             future.result()  # raises what it raised
             progress.advance()
     runs = {name: future.result() for name, future in {**others, DEFAULT: first}.items()}
-    order = [name for name in (*BUDGETS, "window", *REMEMBERED) if name in runs]
+    order = [name for name in (*BUDGETS, "window", *WITHOUT) if name in runs]
     return {name: runs[name] for name in order}, [optima[step].result() for step in sorted(optima)]
 
 
@@ -175,7 +173,7 @@ def summary_of(options: Options, runs: dict[str, Followed], optima: Sequence[Opt
         "window_area_ratio_p95": None if windows is None else rounded(float(np.quantile(windows, 0.95))),
         **{
             f"{name.replace(' ', '_')}_area_ratio_mean": rounded(float(ratios(runs[name], optima).mean()))
-            for name in REMEMBERED
+            for name in WITHOUT
             if name in runs
         },
         "optimum_variables_max": max(each.variables for each in optima),

@@ -11,7 +11,6 @@ import numpy as np
 from experiments.comparison import Case
 from experiments.history import History, optimum
 from experiments.metrics import Metrics
-from experiments.remembering import RememberingFilter
 from experiments.run import steps
 from filter.arrays import Array
 from filter.errors import Inconsistent
@@ -21,20 +20,19 @@ from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from filter.window import Window
 
-# Rows on one robot and rows on one pair; the last is more than there ever are.
+# Rows on one robot and rows on one pair.
 BUDGETS = {
-    "4/4": (4, 4),
     "6/6": (6, 6),
     "8/8": (8, 8),
     "12/8": (12, 8),
     "16/12": (16, 12),
+    "20/12": (20, 12),
     "24/16": (24, 16),
-    "all": (10_000, 10_000),
+    "48/32": (48, 32),
 }
-DEFAULT = "12/8"  # the filter's own
-# What else a filter can take along, with room for it.
-REMEMBERED = {"pairs": (True, False), "corners": (False, True), "pairs and corners": (True, True)}
-ROOM = BUDGETS["24/16"]
+DEFAULT = "20/12"  # the filter's own
+# What a filter can do without: projections of pairs, rows through corners.
+WITHOUT = {"without pairs": (False, True), "without corners": (True, False), "without both": (False, False)}
 
 
 @dataclass(frozen=True)
@@ -46,14 +44,16 @@ class Variant:
         rows_per_pair: Its budget.
         tangent_spacing: Of ranges [rad].
         window: Whether regions are found in windows instead of in the whole team.
-        remembered: Whether it takes projections of pairs along, and corners, as in `RememberingFilter`.
+        pairs: Whether pairs are projected, too.
+        corners: Whether rows go through corners, too.
     """
 
     rows_per_robot: int
     rows_per_pair: int
     tangent_spacing: float
     window: bool = False
-    remembered: tuple[bool, bool] = (False, False)
+    pairs: bool = True
+    corners: bool = True
 
     def filter(self, team: Team) -> SetMembershipFilter:
         """Return the filter.
@@ -61,15 +61,14 @@ class Variant:
         Raises:
             InvalidInput: The tangents' spacing is out of its range.
         """
-        pairs, corners = self.remembered
-        return RememberingFilter(
+        return SetMembershipFilter(
             team,
-            pairs=pairs,
-            corners=corners,
             rows_per_robot=self.rows_per_robot,
             rows_per_pair=self.rows_per_pair,
             tangent_spacing=self.tangent_spacing,
             scope=Window() if self.window else "team",
+            pairs=SetMembershipFilter.pairs if self.pairs else 0,
+            corner_spacing=SetMembershipFilter.corner_spacing if self.corners else None,
         )
 
 

@@ -2,8 +2,8 @@
 
 Read the modules in this order: errors, arrays, compiled, angles, plane, polygon, polygons, constraints, lp, scaling, solvers,
 polytope, reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, budget,
-projector, window, windowed, outlines, windows, region, belief, headings, boxes, regions, rejection, set_membership;
-slices, sightings, hypotheses, voting, trust, robust_belief, merging, robust, lag.
+projector, window, windowed, outlines, windows, region, belief, headings, boxes, corners, regions, pairs, rejection,
+set_membership; slices, sightings, hypotheses, voting, trust, robust_belief, merging, robust, lag.
 """
 
 from filter.angles import AngularIntervals

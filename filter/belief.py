@@ -101,14 +101,17 @@ class Fallback:
         robot: Whose region was searched, or None for the deepest point of the whole team.
         failed: The solvers whose answers were no good, in the order they were asked.
         used: The solver whose answers were good, or None: what is proved anyway, and what was propagated, has to do.
+        seen_from: The other robot of a pair, if it was the region of one seen from the other.
     """
 
     robot: int | None
     failed: tuple[str, ...]
     used: str | None
+    seen_from: int | None = None
 
     def __str__(self) -> str:
         what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
+        what += "" if self.seen_from is None else f" seen from robot {self.seen_from}"
         return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
 
 
@@ -117,7 +120,7 @@ Event = Rejected | Fallback
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """Claims that everything in a polytope satisfies normal . x_robot <= offset, with the multipliers that prove them.
+    """Claims that everything in a polytope satisfies normal . (x_j - x_i) <= offset, with the multipliers that prove them.
 
     A claim holds because, with the multipliers y of its rows, the normal c and the box,
     the greatest value of (c - A'y) . x over the box, plus y . b, is no greater than its offset: in exact arithmetic.
@@ -125,7 +128,8 @@ class Proof:
     Attributes:
         polytope: Rows and box; its rows' sources are numbers in the table below.
         sources: What produced the rows.
-        robot: (k,) of whom each claim is.
+        i: (k,) robot, or WORLD for a claim on the position of one robot alone.
+        j: (k,) robot.
         normal: (k, 2).
         offset: (k,) [m].
         claim: (m,) claim that each multiplier belongs to.
@@ -135,7 +139,8 @@ class Proof:
 
     polytope: Polytope
     sources: Sources
-    robot: Integers
+    i: Integers
+    j: Integers
     normal: Array
     offset: Array
     claim: Integers
@@ -143,7 +148,7 @@ class Proof:
     multiplier: Array
 
     def __post_init__(self) -> None:
-        for name in ("robot", "normal", "offset", "claim", "row", "multiplier"):
+        for name in ("i", "j", "normal", "offset", "claim", "row", "multiplier"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def __len__(self) -> int:
@@ -166,8 +171,8 @@ class Belief:
         regions: (n) where each robot is.
         sources: What produced the rows and the edges.
         events: What the last update dropped, and where its solvers failed.
-        proofs: Why every edge of every region holds, and every side of the polytope's box, as of the last update; none
-            after a prediction.
+        proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
+            were projected, as of the last update; none after a prediction.
     """
 
     time: float

@@ -7,7 +7,7 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.belief import Proof, Sources
 from filter.compiled import compiled
-from filter.constraints import Columns, Constraints
+from filter.constraints import WORLD, Columns, Constraints
 from filter.polygon import SIDES
 from filter.polygons import Polygons
 from filter.polytope import Polytope
@@ -37,7 +37,8 @@ def proved_boxes(
     claim, place = np.nonzero(prices.reshape(-1, 2))
     row, multipliers = used.reshape(-1, 2)[claim, place], prices.reshape(-1, 2)[claim, place]
     whole, normals = Polytope(rows, polytope.lower, polytope.upper), np.tile(SIDES, (len(robots), 1))
-    return lower, upper, Proof(whole, sources, np.repeat(robots, 4), normals, bounds.ravel(), claim, row, multipliers)
+    whose, nobody = np.repeat(robots, 4), np.full(4 * len(robots), WORLD)
+    return lower, upper, Proof(whole, sources, nobody, whose, normals, bounds.ravel(), claim, row, multipliers)
 
 
 @compiled
@@ -67,7 +68,7 @@ def _bounds(
                 part = _across(side, normals[following]) if which == 0 else _across(normals[before], side)
                 if row[edge] >= 0 and turned != 0 and WORTHLESS < part / turned < np.inf:
                     rows[k, s, which], prices[k, s, which] = row[edge], part / turned
-            bounds[k, s] = certified(side, prices[k, s], rows[k, s], (place, centre, radius), team)
+            bounds[k, s] = certified(WORLD, robot, side, prices[k, s], rows[k, s], (place, centre, radius), team)
         place[robot] = -1
     return bounds, rows, prices
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.lp import LinearProgram
-from filter.plane import EPSILON
+from filter.plane import EPSILON, area_of, worthy_vertices
 from filter.projection import (
     NOTHING,
     HalfPlanes,
@@ -25,6 +25,8 @@ from filter.shadow import BEYOND, LONGEST, LONGEST_EACH, REASONS, SMALLEST, Trac
 from filter.simplex import EMPTY, FOUND, OUTWARD, Basis, Rows, become_feasible, corner, spread
 
 ROUNDING = 64 * EPSILON  # of a point far from the origin
+# Vertices are spared for as much area as edges are, yet never for more than this leaves.
+LEAST_RATIO = 0.999
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class Shadow:
     Attributes:
         directions: (t, 2) outward normals of the edges that matter, of length 1, counter-clockwise.
         multipliers: (t, r) for each of them, a weight for each row of the program.
-        points: (p, v) a point of the polytope behind each vertex [m].
+        points: (p, v) points of the polytope behind the vertices that matter [m].
         reached: (t,) how far the vertices reach in the directions [m].
         reason: What decided which edges matter.
     """
@@ -103,10 +105,11 @@ class Walker:
         kept, why = simplified(trace.normal, vertices, float(np.prod(size)), goal)
         normals = trace.normal[kept] / size
         length = np.hypot(normals[:, 0], normals[:, 1])
-        directions, points = normals / length[:, None], self._scaled.points(trace.point)
-        proofs = _dense(trace.basic[kept], trace.prices[kept], len(self._scaled.live))
+        directions, proofs = normals / length[:, None], _dense(trace.basic[kept], trace.prices[kept], len(self._scaled.live))
         multipliers = self.program.essential(directions @ D, self._scaled.multipliers(proofs, 1 / length))
-        return Shadow(directions, multipliers, points, ((points[kept] @ D.T) * directions).sum(axis=1), REASONS[why])
+        reached = ((self._scaled.points(trace.point[kept]) @ D.T) * directions).sum(axis=1)
+        corners = worthy_vertices(vertices, (1 - max(goal[0], LEAST_RATIO)) * area_of(vertices))
+        return Shadow(directions, multipliers, self._scaled.points(trace.point[corners]), reached, REASONS[why])
 
     def _begin(self) -> None:
         variables = len(self._scaled.free)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
 from filter.plane import EPSILON
 
 # What an interior-point solver leaves of a zero proves nothing: a multiplier is dropped where that costs less than this [m],
@@ -21,6 +22,8 @@ NEGLIGIBLE = 1e-9
 NEGLIGIBLE_SHARE = 1e-7
 # Where products underflow, each is off by less than this; far below any length.
 TINY = float(np.finfo(float).tiny)
+# The entries of a sparse matrix, their columns, and where each row of them begins.
+Entries = tuple[Array, Integers, Integers]
 # A matrix of no more entries is better filled up than sparse.
 SMALL = 20_000
 
@@ -142,12 +145,9 @@ class LinearProgram:
         """
         inside = np.clip(points, self.lower, self.upper)
         slack, doubt = self._slack_at(inside)
-        room = self._slack_at(interior[None])[0]
-        grid = 2 * EPSILON * (self._magnitudes @ (np.abs(inside) + np.abs(interior)).T).T  # of coordinates themselves
-        lacking = 4 * doubt + np.where(self._exact, 0.0, grid) - slack
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.where(lacking > 0, lacking / (room - slack), 0).max(axis=1, initial=0)[:, None]
-        moved = inside + np.clip(share, 0, 1) * (interior - inside)
+        room = self._slack_at(interior[None])[0][0]
+        share = _shares((slack, doubt, room, self._exact), self._entries, np.abs(inside), np.abs(interior))
+        moved = inside + share[:, None] * (interior - inside)
         return np.asarray(np.clip(moved, self.lower, self.upper))
 
     @cached_property
@@ -158,13 +158,54 @@ class LinearProgram:
         unit = (np.abs(self.A.data) == 1) & (self.radius[self.A.indices] == 0)
         return (terms == 1) & (np.bincount(row[unit], minlength=len(self.b)) == 1)
 
+    @property
+    def _entries(self) -> Entries:
+        return self.A.data, self.A.indices, self.A.indptr
+
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
         """Return b - A x at points (k, v) of the box, and the rounding in it, both (k, r)."""
-        moved = points - self.centre
-        slack = self.slack - (self._matrix @ moved.T).T
-        terms = 8 + 2 * np.diff(self.A.indptr)
-        doubt = self._slack_rounding + EPSILON * terms * (self._magnitudes @ np.abs(moved).T).T + terms * TINY
-        return np.asarray(slack), np.where(self._exact, 0.0, doubt)
+        return _slacks((self.slack, self._slack_rounding, self._exact), self._entries, points - self.centre)
+
+
+@compiled
+def _slacks(at_centre: tuple[Array, Array, Mask], entries: Entries, moved: Array) -> tuple[Array, Array]:
+    """Return slacks and their rounding (k, r) at points (k, v) from the centre, given those at the centre (r,)."""
+    (middle, rounding, exact), (data, column, first) = at_centre, entries
+    slack, doubt = np.empty((len(moved), len(middle))), np.empty((len(moved), len(middle)))
+    for k in range(len(moved)):
+        for row in range(len(middle)):
+            total, size, terms = 0.0, 0.0, 8 + 2 * (first[row + 1] - first[row])
+            for q in range(first[row], first[row + 1]):
+                term = data[q] * moved[k, column[q]]
+                total += term
+                size += abs(term)
+            slack[k, row] = middle[row] - total
+            doubt[k, row] = 0.0 if exact[row] else rounding[row] + EPSILON * terms * size + terms * TINY
+    return slack, doubt
+
+
+@compiled
+def _shares(known: tuple[Array, Array, Array, Mask], entries: Entries, size: Array, interior_size: Array) -> Array:
+    """Return how far (k,) points have to go to an interior one, as shares of the way, for every row to hold for sure.
+
+    Args:
+        known: Slack and doubt (k, r) of the points, slack (r,) of the interior one, and which rows' signs are exact (r,).
+        entries: Of the matrix.
+        size: (k, v) absolute coordinates of the points, whose own rounding counts.
+        interior_size: (v,) those of the interior one.
+    """
+    (slack, doubt, room, exact), (data, column, first) = known, entries
+    shares = np.zeros(len(slack))
+    for k in range(len(slack)):
+        for row in range(len(room)):
+            grid = 0.0
+            for q in range(first[row], first[row + 1]) if not exact[row] else range(0):
+                grid += abs(data[q]) * (size[k, column[q]] + interior_size[column[q]])
+            lacking = 4 * doubt[k, row] + 2 * EPSILON * grid - slack[k, row]
+            gain = room[row] - slack[k, row]
+            if lacking > 0:
+                shares[k] = max(shares[k], lacking / gain if gain > lacking else 1.0)
+    return shares
 
 
 def twice_precise_dot(a: Array, b: Array) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""The outer polygons of a whole team, and what every edge of them rests on."""
+"""The outer polygons of a whole team, of robots or of pairs, and what every edge of them rests on."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.constraints import WORLD
 from filter.polygon import Polygon
-from filter.polygons import Polygons, joined, places
+from filter.polygons import Cuts, Polygons, joined, places
 from filter.polytope import Polytope
 from filter.projection import Projection, Reason
 from filter.projector import Failure
@@ -20,11 +20,12 @@ from filter.windowed import PROVED
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """Polygons that contain robots, each edge with its proof from the rows of a polytope.
+    """Polygons that contain robots, or pairs (x_j - x_i), each edge with its proof from the rows of a polytope.
 
     Attributes:
         outer: (n) polygons.
-        behind: (e,) what is behind each edge: a row on the robot alone, -4 to -1 for a side of its box, PROVED for others.
+        behind: (e,) what is behind each edge: a row on the robot or the pair alone, -4 to -1 for a side of its box, PROVED for
+            others.
         row: (m,) the rows that prove the edges, edge after edge.
         multiplier: (m,) of each, above 0.
         row_first: (e + 1,) where those of each edge begin.
@@ -43,15 +44,12 @@ class Outlines:
     reasons: tuple[Reason | None, ...]
 
     @classmethod
-    def at_a_glance(cls, polytope: Polytope, robots: Integers, reason: Reason | None = None) -> Outlines:
-        """Return what some robots' own rows and boxes say, without a projection: larger, sound, nothing known from inside."""
-        cuts = polytope.of_robots(robots)
-        alone = cuts.edges >= 0
+    def at_a_glance(cls, cuts: Cuts, reason: Reason | None = None) -> Outlines:
+        """Return what own rows and boxes say, without a projection: larger, sound, nothing known from inside."""
+        alone, count = cuts.edges >= 0, len(cuts.polygons)
         first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(alone)])
-        nothing = (None,) * len(robots)
-        zeros = np.zeros(len(robots), dtype=np.int64)
-        row = cuts.edges[alone]
-        return cls(cuts.polygons, cuts.edges, row, np.ones(len(row)), first, nothing, zeros, (reason,) * len(robots))
+        zeros, row = np.zeros(count, dtype=np.int64), cuts.edges[alone]
+        return cls(cuts.polygons, cuts.edges, row, np.ones(len(row)), first, (None,) * count, zeros, (reason,) * count)
 
     @classmethod
     def of(cls, polytope: Polytope, robots: Integers, projections: Sequence[Projection]) -> Outlines:
@@ -117,19 +115,19 @@ def _claims(found: Projection, own: Integers) -> tuple[Integers, Integers, Array
 
 
 def in_order(pieces: Sequence[tuple[Integers, Outlines]]) -> Outlines:
-    """Return the outlines of all n robots from pieces (robots, their outlines); those without edges are left out."""
-    robots, every = np.concatenate([robots for robots, _ in pieces]), Outlines.concatenate([each for _, each in pieces])
+    """Return the outlines of all n robots or pairs from pieces (numbers, their outlines); those without edges are left out."""
+    numbers, every = np.concatenate([numbers for numbers, _ in pieces]), Outlines.concatenate([each for _, each in pieces])
     found = np.flatnonzero(np.diff(every.outer.first))
-    wanted = found[np.argsort(robots[found])]
-    return every if np.array_equal(wanted, np.arange(len(robots))) else every.select(wanted)
+    wanted = found[np.argsort(numbers[found])]
+    return every if np.array_equal(wanted, np.arange(len(numbers))) else every.select(wanted)
 
 
 @dataclass(frozen=True, eq=False)
 class Outlined:
-    """What a projection of every robot gave.
+    """What a projection of every robot, or of some pairs, gave.
 
     Attributes:
-        outlines: (n) of all robots.
+        outlines: (n) of all of them.
         failures: Where solvers failed.
     """
 

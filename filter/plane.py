@@ -235,6 +235,47 @@ def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowan
 
 
 @compiled
+def worthy_vertices(vertices: Array, allowance: float) -> Mask:
+    """Return which vertices of a convex polygon to keep so that little area is cut off, as `worthy` does for edges.
+
+    Args:
+        vertices: (e, 2) counter-clockwise; some may coincide [m].
+        allowance: How much area may be cut off in all [m2].
+    """
+    count = len(vertices)
+    keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
+    if count <= 3:
+        return keep
+    before[0], after[count - 1] = count - 1, 0
+    cut = np.empty(count)
+    for k in range(count):
+        cut[k] = _triangle(vertices, before[k], k, after[k])
+    left, spent = count, 0.0
+    while left > 3:
+        least = -1
+        for k in range(count):
+            if keep[k] and (least < 0 or cut[k] < cut[least]):
+                least = k
+        spent += cut[least]
+        if not spent <= allowance:
+            break
+        keep[least], left = False, left - 1
+        last, following = before[least], after[least]
+        after[last], before[following] = following, last
+        for k in (last, following):
+            cut[k] = _triangle(vertices, before[k], k, after[k])
+    return keep
+
+
+@compiled
+def _triangle(vertices: Array, a: int, b: int, c: int) -> float:
+    """Return the area between three vertices [m2]."""
+    x0, y0 = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1]
+    x1, y1 = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1]
+    return abs(x0 * y1 - x1 * y0) / 2
+
+
+@compiled
 def _added_area(normals: Array, offsets: Array, before: int, edge: int, after: int) -> float:
     """Return the area of the triangle that removing an edge adds; infinite where its neighbours do not meet beyond it [m2]."""
     starts, x0, y0 = _meet(normals, offsets, before, edge)

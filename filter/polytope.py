@@ -53,13 +53,14 @@ class Polytope:
 
     def of_robots(self, robots: Integers) -> Cuts:
         """Return polygons around (g) robots, each from its own rows alone, and the row behind each edge."""
-        return self._cuts(np.full(len(robots), WORLD), robots, self.lower[robots], self.upper[robots])
+        return self.of(np.full(len(robots), WORLD), robots)
 
-    def of_pairs(self, i: Integers, j: Integers) -> Cuts:
-        """Return polygons around x_j - x_i for (g) pairs i < j, each from its own rows alone, and the row behind each edge."""
-        lower, upper = self.lower[j] - self.upper[i], self.upper[j] - self.lower[i]
-        return self._cuts(i, j, np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf))
+    def of(self, i: Integers, j: Integers) -> Cuts:
+        """Return polygons around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD; and the row behind each edge.
 
-    def _cuts(self, i: Integers, j: Integers, lower: Array, upper: Array) -> Cuts:
-        rows = self.constraints
+        Each is from the rows of its own robot or pair alone, and from the box.
+        """
+        rows, mutual, lower, upper = self.constraints, np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
+        lower[mutual] = np.nextafter(lower[mutual] - self.upper[i[mutual]], -np.inf)
+        upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)
         return cut_boxes(rows.normal, rows.offset, rows.groups(i, j), lower, upper)

@@ -22,11 +22,11 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     order, i, j, size = rows.grouped()
     budget = np.where(i == WORLD, rows_per_robot, rows_per_pair)
     keep = np.zeros(len(rows), dtype=bool)
-    alone, pairs = np.flatnonzero((size > budget) & (i == WORLD)), np.flatnonzero((size > budget) & (i != WORLD))
+    crowded = np.flatnonzero(size > budget)
+    cuts = polytope.of(i[crowded], j[crowded])
+    keep[worthy_rows(cuts, budget[crowded])] = True
     stays = size <= budget
-    for some, cuts in ((alone, polytope.of_robots(j[alone])), (pairs, polytope.of_pairs(i[pairs], j[pairs]))):
-        keep[worthy_rows(cuts, budget[some])] = True
-        stays[some[cuts.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
+    stays[crowded[cuts.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
     keep[order[np.repeat(stays, size)]] = True
     return rows.select(keep)
 

@@ -35,7 +35,7 @@ SHARES = (1e-2, 1e-4, 1e-6, 0.0)
 
 def regions_at_a_glance(polytope: Polytope) -> Regions:
     """Return each robot's region from its own rows alone, without a search: larger, sound, nothing known from inside."""
-    return _regions(polytope, Outlines.at_a_glance(polytope, np.arange(len(polytope.lower))))
+    return _regions(polytope, Outlines.at_a_glance(polytope.of_robots(np.arange(len(polytope.lower)))))
 
 
 def _regions(polytope: Polytope, outlines: Outlines) -> Regions:
@@ -102,13 +102,15 @@ def searched(
     table, numbers = sources.extended("region", time, robots)
     outlines = found.outlines
     refined = np.array([reason != "time" or not len(polytope.origin) for reason in outlines.reasons], dtype=bool)
-    own, row = _edges_as_rows(polytope, outlines, numbers)
+    alone = np.full(len(robots), WORLD)
+    own, row = edges_as_rows(polytope, outlines, (alone, robots), numbers)
     lower, upper, boxes = proved_boxes(polytope, table, outlines.outer, (own, row), np.flatnonzero(refined))
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
     origin = np.where(refined, numbers, polytope.origin if len(polytope.origin) else numbers)
     smaller = Polytope(Constraints.concatenate([pairs, own]), lower, upper, origin)
     events = tuple(Fallback(each.plane, each.failed, each.used) for each in found.failures)
-    return Searched(smaller, _regions(polytope, outlines), table, events, (_proof(polytope, sources, outlines), boxes))
+    edges = proof_of(polytope, sources, outlines, (alone, robots))
+    return Searched(smaller, _regions(polytope, outlines), table, events, (edges, boxes))
 
 
 def _in_the_team(
@@ -123,33 +125,37 @@ def _in_the_team(
     reached = np.array([each is not None for each in found.found], dtype=bool)
     pieces = [
         (order[reached], Outlines.of(polytope, order[reached], found.complete)),
-        (order[~reached], Outlines.at_a_glance(polytope, order[~reached], "time")),
+        (order[~reached], Outlines.at_a_glance(polytope.of_robots(order[~reached]), "time")),
     ]
     failures = (replace(each, plane=None if each.plane is None else int(order[each.plane])) for each in found.failures)
     return Outlined(in_order(pieces), tuple(failures))
 
 
-def _edges_as_rows(polytope: Polytope, outlines: Outlines, numbers: Integers) -> tuple[Constraints, Integers]:
+def edges_as_rows(
+    polytope: Polytope, outlines: Outlines, whose: tuple[Integers, Integers], numbers: Integers
+) -> tuple[Constraints, Integers]:
     """Return the outlines' edges as rows, and which row (e,) each edge is; -1 for the sides of boxes.
 
     Args:
         polytope: What the outlines are of.
-        outlines: (n) of all robots.
+        outlines: (n) of robots or pairs.
+        whose: i and j (n) of each.
         numbers: (n,) the sources of edges that were proved anew; rows that were known keep theirs.
     """
     is_row = (outlines.behind >= 0) | (outlines.behind == PROVED)
-    robot, behind = outlines.outer.owner[is_row], outlines.behind[is_row]
-    source = numbers[robot]
+    owner, behind = outlines.outer.owner[is_row], outlines.behind[is_row]
+    source = numbers[owner]
     source[behind >= 0] = polytope.constraints.source[behind[behind >= 0]]
     normals, offsets = outlines.outer.normals[is_row], outlines.outer.offsets[is_row]
-    rows = Constraints(np.full(len(robot), WORLD), robot, normals, offsets, source)
+    rows = Constraints(whose[0][owner], whose[1][owner], normals, offsets, source)
     return rows, np.where(is_row, np.cumsum(is_row) - 1, -1)
 
 
-def _proof(polytope: Polytope, sources: Sources, outlines: Outlines) -> Proof:
-    """Return why every edge holds."""
+def proof_of(polytope: Polytope, sources: Sources, outlines: Outlines, whose: tuple[Integers, Integers]) -> Proof:
+    """Return why every edge holds, of outlines of robots or pairs i, j."""
     outer, claim = outlines.outer, np.repeat(np.arange(len(outlines.behind)), np.diff(outlines.row_first))
-    return Proof(polytope, sources, outer.owner, outer.normals, outer.offsets, claim, outlines.row, outlines.multiplier)
+    i, j = (each[outer.owner] for each in whose)
+    return Proof(polytope, sources, i, j, outer.normals, outer.offsets, claim, outlines.row, outlines.multiplier)
 
 
 def _conflict(polytope: Polytope, multipliers: Array) -> Integers:

@@ -114,5 +114,5 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
     fixed, mutual = np.flatnonzero(j >= robots), np.flatnonzero(j < robots)
     spans = AngularIntervals.circles(len(pairs))
     seen = polytope.of_robots(i[fixed]).polygons.mirrored(landmarks[j[fixed] - robots]).spans()
-    spans = spans.replaced(fixed, seen).replaced(mutual, polytope.of_pairs(i[mutual], j[mutual]).polygons.spans())
+    spans = spans.replaced(fixed, seen).replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
     return spans[which].turned(np.where(robot > target, np.pi, 0.0))

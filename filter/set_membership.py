@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
@@ -13,10 +13,12 @@ from filter.arrays import Array, Integers, number, whole
 from filter.belief import Belief, Source, Sources
 from filter.budget import Budget, IsOver, never
 from filter.constraints import Constraints
+from filter.corners import with_corners
 from filter.errors import Inconsistent, InvalidInput
 from filter.headings import narrowed_headings
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.motion import Displacements, displacements, turned_headings
+from filter.pairs import with_pairs
 from filter.polygon import SIDES, Polygon
 from filter.polytope import Polytope
 from filter.projection import Stop
@@ -37,6 +39,7 @@ from filter.team import Team
 from filter.window import Window
 
 Policy = Literal["raise", "reject"]
+CORNER_SPACING = np.pi / 24  # [rad]
 
 
 PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
@@ -57,6 +60,10 @@ class SetMembershipFilter:
         stop: When a robot's region is good enough.
         rows_per_robot: How many rows on one robot survive pruning, from 4 on.
         rows_per_pair: How many rows on one pair survive pruning, from 4 on.
+        pairs: How many pairs of robots are projected in an update, too, from 0 on: what the team knows of them then survives
+            the motion of both. Those just measured come first; pairs without rows come last.
+        corner_spacing: Rows are added through the corners of regions and projected pairs, for neighbouring rows to turn by no
+            more than this before they are moved, in [0.01, pi/2] [rad]; None for no such rows.
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
         scope: "team" for regions from all that the team knows; a `Window` for regions from what each robot would hear.
@@ -75,8 +82,10 @@ class SetMembershipFilter:
     team: Team
     solver: Solver = EXACT
     stop: Stop = field(default_factory=Stop)
-    rows_per_robot: int = 12
-    rows_per_pair: int = 8
+    rows_per_robot: int = 20
+    rows_per_pair: int = 12
+    pairs: int = 36
+    corner_spacing: float | None = CORNER_SPACING
     tangent_spacing: float = TANGENT_SPACING
     scope: Scope = "team"
     policy: Policy = "raise"
@@ -99,7 +108,20 @@ class SetMembershipFilter:
             whole("threads", self.threads, low=1)
         whole("rows_per_robot", self.rows_per_robot, low=4)
         whole("rows_per_pair", self.rows_per_pair, low=4)
+        whole("pairs", self.pairs)
+        if self.corner_spacing is not None:
+            number("corner spacing [rad]", self.corner_spacing, 0.01, np.pi / 2)
         number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2)
+
+    @classmethod
+    def light(cls, team: Team, **options: Any) -> Self:
+        """Return a filter that takes less along from step to step, for large teams: faster, with regions larger by little.
+
+        Args:
+            team: The robots, the landmarks and their limits.
+            options: The filter's other attributes, and those of these that are to be different after all.
+        """
+        return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corner_spacing": None, **options})
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement.
@@ -190,9 +212,19 @@ class SetMembershipFilter:
             threads=self.threads,
         )
         self.on_phase("forget")
-        pruned = self._pruned(found.polytope)
-        belief = Belief(belief.time, pruned, headings, found.regions, found.sources, found.events, found.proofs)
-        return belief.compact()
+        found = with_pairs(
+            belief.time,
+            found,
+            self.pairs,
+            stop=self.stop,
+            scope=self.scope,
+            is_over=is_over,
+            threads=self.threads,
+        )
+        polytope, sources = self._pruned(found.polytope), found.sources
+        if self.corner_spacing is not None:
+            polytope, sources = with_corners(belief.time, polytope, sources, found.proofs, self.corner_spacing)
+        return Belief(belief.time, polytope, headings, found.regions, sources, found.events, found.proofs).compact()
 
     @property
     def solvers(self) -> tuple[Solver, ...]:

@@ -86,19 +86,22 @@ def links(rows: Constraints, robots: int) -> Links:
 
 
 @compiled
-def members_of(robot: int, hops: int, most: int, near: Integers, near_first: Integers, place: Integers) -> Integers:
-    """Return a robot and those at most so many pairs away from it, the nearest first, at most so many in all.
+def members_of(i: int, j: int, hops: int, most: int, near: Integers, near_first: Integers, place: Integers) -> Integers:
+    """Return robot j, robot i if it is not WORLD, and those at most so many pairs away from them, the nearest first.
 
     Args:
-        robot: The first member.
+        i: The second member, or WORLD.
+        j: The first member.
         hops: How far the window reaches.
-        most: How many members it may have.
+        most: How many members it may have, from 2 on.
         near: As in `Links`.
         near_first: As in `Links`.
         place: (n,) scratch, all -1; afterwards the place of each member.
     """
     members = np.empty(most, dtype=np.int64)
-    members[0], place[robot], count, begin = robot, 0, 1, 0
+    members[0], place[j], count, begin = j, 0, 1, 0
+    if i >= 0:
+        members[1], place[i], count = i, 1, 2
     for _ in range(hops):
         end = count
         for at in range(begin, end):
@@ -108,6 +111,28 @@ def members_of(robot: int, hops: int, most: int, near: Integers, near_first: Int
                     count += 1
         begin = end
     return members[:count].copy()
+
+
+@compiled
+def rows_on(i: int, j: int, who: Links) -> Integers:
+    """Return the rows on robot j alone where i is WORLD, or those on the pair i, j."""
+    if i < 0:
+        return who.own[who.own_first[j] : who.own_first[j + 1]]
+    for k in range(who.near_first[j], who.near_first[j + 1]):
+        if who.near[k] == i:
+            return who.pair[who.pair_first[who.near_pair[k]] : who.pair_first[who.near_pair[k] + 1]]
+    return who.pair[:0]
+
+
+@compiled
+def box_around(i: int, j: int, box: Boxes) -> Boxes:
+    """Return lower and upper corner (2,) of robot j's box, or of a box around x_j - x_i where i is not WORLD [m]."""
+    lower, upper = box[0][j].copy(), box[1][j].copy()
+    if i >= 0:
+        for m in range(2):
+            lower[m] = np.nextafter(lower[m] - box[1][i, m], -np.inf)
+            upper[m] = np.nextafter(upper[m] - box[0][i, m], np.inf)
+    return lower, upper
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Every robot projected in its window, on as many threads as there are; what each finds does not depend on their number."""
+"""Robots and pairs projected in their windows, on many threads; what each finds does not depend on how many there are."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from filter.projection import Stop, position
 from filter.projector import EXACT, Failure, Projections, broken_row, project_all
 from filter.shadow import REASONS
 from filter.solvers import Solver, name_of
-from filter.window import Boxes, Links, Window, links, members_of, rows_in
+from filter.window import Boxes, Links, Window, box_around, links, members_of, rows_in
 from filter.windowed import PROVED, Task, Windowed, project_window
 
 # So many windows are projected between two looks at the clock.
@@ -60,14 +60,14 @@ class Sheet(NamedTuple):
 
 
 @compiled
-def project_some(robots: Integers, task: Task) -> Sheet:
-    """Project the windows of some robots."""
+def project_some(i: Integers, j: Integers, task: Task) -> Sheet:
+    """Project the windows of some pairs i, j, or of robots j where i is WORLD."""
     place = np.full(len(task.box[0]), -1)
-    return laid_out([project_window(robot, task, place) for robot in robots], robots, task.box)
+    return laid_out([project_window(i[k], j[k], task, place) for k in range(len(j))], i, j, task.box)
 
 
 @compiled
-def laid_out(windows: list[Windowed], robots: Integers, box: Boxes) -> Sheet:
+def laid_out(windows: list[Windowed], i: Integers, j: Integers, box: Boxes) -> Sheet:
     """Return what was found in some windows, end to end."""
     edges, claims = 0, 0
     for one in windows:
@@ -87,7 +87,7 @@ def laid_out(windows: list[Windowed], robots: Integers, box: Boxes) -> Sheet:
         np.empty(len(windows), dtype=np.int64),
     )
     for k in range(len(windows)):
-        _lay(windows[k], sheet, k, (box[0][robots[k]], box[1][robots[k]]))
+        _lay(windows[k], sheet, k, box_around(i[k], j[k], box))
     return sheet
 
 
@@ -148,9 +148,8 @@ def project_windows(
     who, order = links(polytope.constraints, robots), np.arange(robots) if order is None else order
     pieces, left, failures = list[tuple[Integers, Outlines]](), order, list[Failure]()
     if solvers[0] == EXACT:
-        goal = float(stop.performance_ratio), float(stop.area_gap), int(stop.searches)
-        task = Task(window.hops, window.robots, who, polytope.constraints.columns, (polytope.lower, polytope.upper), goal)
-        pieces, left = _walked(order, task, is_over, threads or os.cpu_count() or 1)
+        walks = _Walks(np.full(robots, WORLD), order, _task(polytope, window, who, stop), is_over, threads)
+        pieces, left = [(order[walks.done], walks.outlines)], order[walks.left]
     late = []
     for robot in left.tolist():
         if is_over():
@@ -162,28 +161,71 @@ def project_windows(
         pieces.append((np.array([robot]), Outlines.of(polytope, np.array([robot]), alone.complete)))
         failures += alone.failures
     unrefined = np.array(late, dtype=np.int64)
-    pieces.append((unrefined, Outlines.at_a_glance(polytope, unrefined, "time")))
+    pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), "time")))
     return Outlined(in_order(pieces), tuple(failures))
 
 
-def _walked(order: Integers, task: Task, is_over: IsOver, threads: int) -> tuple[list[tuple[Integers, Outlines]], Integers]:
-    """Return the outlines of some robots, and which robots are left: those that time ran out on, then those that were lost."""
-    chunks = [order[k : k + TOGETHER] for k in range(0, len(order), TOGETHER)]
+def project_pairs(
+    polytope: Polytope,
+    pairs: tuple[Integers, Integers],
+    window: Window,
+    stop: Stop,
+    *,
+    is_over: IsOver = never,
+    threads: int | None = None,
+) -> Outlined:
+    """Project pairs, x_j - x_i, each in the window of the two; those that are lost or too late keep what their rows say.
 
-    def projected(chunk: Integers) -> Sheet | None:
-        return None if is_over() else project_some(chunk, task)
+    Args:
+        polytope: The team's.
+        pairs: i and j (g) of each, i < j.
+        window: How far a window reaches.
+        stop: When a projection is good enough.
+        is_over: Whether time is up.
+        threads: How many windows at a time; None for as many as there are cores.
+    """
+    i, j = pairs
+    task = _task(polytope, window, links(polytope.constraints, len(polytope.lower)), stop)
+    walks = _Walks(i, j, task, is_over, threads)
+    glance = Outlines.at_a_glance(polytope.of(i[walks.left], j[walks.left]), "time")
+    outlines = in_order([(walks.done, walks.outlines), (walks.left, glance)])
+    return Outlined(outlines, tuple(Failure(int(k), (EXACT,), None) for k in walks.lost))
 
-    if threads == 1 or len(chunks) == 1:
-        sheets = [projected(chunk) for chunk in chunks]
-    else:
-        with ThreadPoolExecutor(threads) as pool:
-            sheets = list(pool.map(projected, chunks))
-    done = [(chunk, sheet) for chunk, sheet in zip(chunks, sheets, strict=True) if sheet]
-    late = [chunk for chunk, sheet in zip(chunks, sheets, strict=True) if not sheet]
-    if not done:
-        return [], order
-    robots, outlines = np.concatenate([chunk for chunk, _ in done]), _outlines([sheet for _, sheet in done])
-    return [(robots, outlines)], np.concatenate([*late, robots[np.diff(outlines.outer.first) == 0]])
+
+def _task(polytope: Polytope, window: Window, who: Links, stop: Stop) -> Task:
+    goal = float(stop.performance_ratio), float(stop.area_gap), int(stop.searches)
+    return Task(window.hops, window.robots, who, polytope.constraints.columns, (polytope.lower, polytope.upper), goal)
+
+
+class _Walks:
+    """The walks around (g) pairs i, j, or robots j where i is WORLD.
+
+    Attributes:
+        done: Whose time came.
+        outlines: What was found of them; without edges where a walk was lost.
+        lost: Whose walk was lost.
+        left: Those that time ran out on, then those that were lost.
+    """
+
+    def __init__(self, i: Integers, j: Integers, task: Task, is_over: IsOver, threads: int | None) -> None:
+        chunks = [np.arange(k, min(k + TOGETHER, len(j))) for k in range(0, len(j), TOGETHER)]
+
+        def projected(chunk: Integers) -> Sheet | None:
+            return None if is_over() else project_some(i[chunk], j[chunk], task)
+
+        workers = min(threads or os.cpu_count() or 1, len(chunks))
+        if workers <= 1:
+            sheets = [projected(chunk) for chunk in chunks]
+        else:
+            with ThreadPoolExecutor(workers) as pool:
+                sheets = list(pool.map(projected, chunks))
+        nobody = np.zeros(0, dtype=np.int64)
+        done = [(chunk, sheet) for chunk, sheet in zip(chunks, sheets, strict=True) if sheet]
+        late = [chunk for chunk, sheet in zip(chunks, sheets, strict=True) if not sheet]
+        self.done = np.concatenate([nobody, *(chunk for chunk, _ in done)])
+        self.outlines = _outlines([project_some(nobody, nobody, task), *(sheet for _, sheet in done)])
+        self.lost = self.done[np.diff(self.outlines.outer.first) == 0]
+        self.left = np.concatenate([*late, self.lost])
 
 
 def _outlines(sheets: Sequence[Sheet]) -> Outlines:
@@ -203,7 +245,7 @@ def _searched(
 ) -> Projections:
     """Project one robot's window by the solvers that are left when a walk is lost."""
     rows, place = polytope.constraints, np.full(len(polytope.lower), -1)
-    members = np.sort(members_of(robot, window.hops, window.robots, who.near, who.near_first, place))
+    members = np.sort(members_of(WORLD, robot, window.hops, window.robots, who.near, who.near_first, place))
     place[members] = np.arange(len(members))
     number = rows_in(members, place, who)
     i = np.where(rows.i[number] == WORLD, WORLD, place[rows.i[number]])

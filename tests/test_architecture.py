@@ -32,6 +32,7 @@ COMPILED = (
     "plane",
     "polygons",
     "constraints",
+    "lp",
     "motion",
     "pruning",
     "simplex",
@@ -41,6 +42,7 @@ COMPILED = (
     "windows",
     "headings",
     "boxes",
+    "corners",
     "slices",
 )
 AND = {
@@ -83,7 +85,9 @@ ORDER = [
     "belief",
     "headings",
     "boxes",
+    "corners",
     "regions",
+    "pairs",
     "rejection",
     "set_membership",
     "slices",

@@ -244,7 +244,7 @@ def test_moving_the_world_moves_the_result(move):
         later = world.measure()
         team = Team(3, world.team.landmarks + by, 0.5, 2.0)
         moved = [Polygon.box(one.bounds[0] + by, one.bounds[1] + by) for one in sets]
-        estimator = SetMembershipFilter(team, stop=TIGHT)
+        estimator = SetMembershipFilter(team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY)
         belief = estimator.update(estimator.start(0.0, moved, headings), records)
         return estimator.update(estimator.predict(belief, motion.time, motion), later)
 

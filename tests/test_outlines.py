@@ -40,7 +40,7 @@ def test_a_piece_without_edges_gives_way_to_another_of_the_same_robot():
     polytope = merged(1)
     apart, whole = pieces(polytope)
     empty = whole.select(np.zeros(0, dtype=int))
-    glance = Outlines.at_a_glance(polytope, np.array([2]), "time")
+    glance = Outlines.at_a_glance(polytope.of_robots(np.array([2])), "time")
     found = in_order([apart[4], apart[0], (np.zeros(0, dtype=int), empty), (np.array([2]), glance), apart[1], apart[3]])
     assert found.reasons[2] == "time"
     assert found.outer.areas.tolist() == [*whole.outer.areas[:2], glance.outer.areas[0], *whole.outer.areas[3:]]
@@ -48,7 +48,7 @@ def test_a_piece_without_edges_gives_way_to_another_of_the_same_robot():
 
 def test_at_a_glance_each_edge_is_its_row_or_a_side_of_the_box():
     polytope = merged(2)
-    found = Outlines.at_a_glance(polytope, np.arange(5))
+    found = Outlines.at_a_glance(polytope.of_robots(np.arange(5)))
     rows = polytope.constraints
     for robot in range(5):
         assert found.outer.areas[robot] == of_robot(polytope, robot)[0].area

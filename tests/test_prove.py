@@ -15,15 +15,17 @@ from hypothesis import strategies as st
 from worlds import World, unit
 
 from experiments import prove
-from experiments.certificates import Certificates
+from experiments.certificates import Certificates, hexadecimal
 from experiments.log import LogWriter
 from experiments.log_records import Header, InitialSet
 from experiments.moving_team import main as moving_team
+from experiments.prove_chain import plane, through_corner
 from experiments.prove_exact import PI, Arc, Motion, length, sector
 from experiments.prove_exact import unit as enclosed
 from filter.angles import AngularIntervals
 from filter.measurements import Odometry
 from filter.motion import displacements
+from filter.polygon import Polygon
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.frame import Frame
@@ -81,7 +83,8 @@ def test_a_run_is_proved_in_another_process(folder):
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0
     assert f"{len(lines_of(folder))} certificates proved, 0 failed" in done.stdout
-    assert "rows that are edges of the last step, moved" in done.stdout
+    assert "rows that are edges of an earlier step, moved" in done.stdout
+    assert "rows through corners of an earlier step, moved" in done.stdout
     assert "#" in done.stderr
 
 
@@ -90,6 +93,7 @@ def test_every_edge_and_every_side_has_its_line(folder):
     steps = len({line["t"] for line in lines})
     assert steps == 8
     assert len(lines) >= steps * 3 * (3 + 4)
+    assert {(line["from"], line["robot"]) for line in lines} == {(-1, 0), (-1, 1), (-1, 2), (0, 1), (0, 2), (1, 2)}
     assert all(len(line["rows"]) == len(line["sources"]) for line in lines)
     assert all(float.fromhex(row["multiplier"]) > 0 for line in lines for row in line["rows"])
 
@@ -113,6 +117,7 @@ TAMPERED = {
     "no number": lambda line: line.update(offset="nan"),
     "an infinite multiplier": lambda line: line["rows"][0].update(multiplier="inf"),
     "a field": lambda line: line.pop("rows"),
+    "seen from itself": lambda line: line.update({"from": line["robot"]}),
 }
 
 
@@ -148,6 +153,33 @@ def test_a_row_that_no_measurement_gives_is_refused_though_its_line_is_proved(fo
     prove.check(alone)  # more is known than before, so the claim holds all the more
     assert proved(folder, lines, tmp_path, "log.jsonl", "headings.jsonl.gz") == 1
     assert "follows from nothing known" in capsys.readouterr().out
+
+
+def test_what_is_known_of_a_pair_has_to_move_with_both(folder, tmp_path, capsys):
+    lines = lines_of(folder)
+    last = lines[-1]["t"]
+    for line in (line for line in lines if line["t"] == last):
+        for row, source in zip(line["rows"], line["sources"], strict=True):
+            if row["i"] >= 0 and source["kind"] == "region":
+                row["offset"] = moved(row["offset"], -1e-4)
+    assert proved(folder, lines, tmp_path, "log.jsonl", "headings.jsonl.gz") == 1
+    assert "follows from nothing known" in capsys.readouterr().out
+
+
+@given(seeds, st.sampled_from([0.0, 1e6]))
+def test_a_row_through_a_corner_is_proved_by_the_edges_beside_it_and_no_smaller_one_is(seed, origin):
+    rng = np.random.default_rng(seed)
+    polygon = Polygon.from_vertices(origin + rng.normal(size=(9, 2)))
+    edges = {plane(hexadecimal(n)): Fraction(float(b)) for n, b in zip(polygon.normals, polygon.offsets, strict=True)}
+    normal = unit(rng.uniform(-np.pi, np.pi))
+    found = through_corner(edges, plane(hexadecimal(normal)))
+    assert float(found) == pytest.approx((polygon.vertices @ normal).max(), abs=1e-9 + 1e-8 * origin)
+
+
+def test_no_corner_is_beyond_all_edges():
+    edges = {plane(hexadecimal(unit(np.radians(angle)))): Fraction(1) for angle in (0.0, 60.0)}
+    assert through_corner(edges, plane(hexadecimal(unit(np.radians(200.0))))) is None
+    assert through_corner({}, plane(hexadecimal(unit(1.0)))) is None
 
 
 def test_an_edge_that_did_not_move_with_its_robot_is_refused(folder, tmp_path, capsys):

@@ -141,6 +141,17 @@ def test_a_budget_below_four_is_refused(name):
         estimator(**{name: 3})
 
 
+@pytest.mark.parametrize("wrong", [{"pairs": -1}, {"pairs": 1.5}, {"corner_spacing": 0.0}, {"corner_spacing": 2.0}])
+def test_what_cannot_be_taken_along_is_refused(wrong):
+    with pytest.raises(InvalidInput):
+        estimator(**wrong)
+
+
+def test_a_light_filter_is_light_but_for_what_is_asked():
+    light = SetMembershipFilter.light(TEAM, pairs=3)
+    assert (light.rows_per_robot, light.rows_per_pair, light.pairs, light.corner_spacing) == (12, 8, 3, None)
+
+
 BROKEN = {
     "two compasses": (
         lambda: [Compass(0, 1, 0.0, 0.1), Compass(0, 1, 1.0, 0.1)],

@@ -25,7 +25,7 @@ from filter.window import Window
 from sim.frame import Frame, Truth
 
 FINE = Stop(0.999, 0.0, 48)
-ROUND = 256  # half-planes around a displacement set, for laws that are exact but for the slip's roundness
+ROUND = 512  # half-planes around a displacement set, for laws that are exact but for the slip's roundness
 
 
 def followed(estimator, world, count, tangents=32, motion=lambda record: record):
@@ -195,8 +195,8 @@ def test_a_run_leaves_a_summary_and_figures(tmp_path):
     assert summary["escapes"] == 0
     assert summary["samples"] == 4
     assert 0.99 < summary["area_ratio_mean_at_least"] <= summary["area_ratio_mean"] <= summary["area_ratio_max"] < 1.5
-    assert summary["budget_rows_per_robot"][:4] == [4, 6, 8, 12]
-    assert summary["budget_area_ratio_mean"][3] == summary["area_ratio_mean"]
+    assert summary["budget_rows_per_robot"][:5] == [6, 8, 12, 16, 20]
+    assert summary["budget_area_ratio_mean"][4] == summary["area_ratio_mean"]
     assert summary["optimum_variables_max"] == 24
     assert {path.name for path in tmp_path.iterdir()} == {"summary.json", "over_time.png", "budgets.png"}
 

@@ -10,6 +10,7 @@ from worlds import World, escapes
 
 from filter import windows
 from filter.angles import AngularIntervals
+from filter.constraints import WORLD
 from filter.errors import Inconsistent, InvalidInput
 from filter.measurements import Range
 from filter.polygon import Polygon
@@ -123,11 +124,11 @@ def test_the_members_are_the_nearest_and_no_more_than_there_is_room_for():
     for robot in range(6):
         near = {int(j) if i == robot else int(i) for i, j in zip(rows.i, rows.j, strict=True) if robot in (i, j) and i >= 0}
         place = np.full(6, -1)
-        members = members_of(robot, 1, 99, who.near, who.near_first, place)
+        members = members_of(WORLD, robot, 1, 99, who.near, who.near_first, place)
         assert members[0] == robot
         assert set(members.tolist()) == {robot, *near}
         assert (place[members] == np.arange(len(members))).all()
-        assert len(members_of(robot, 1, 2, who.near, who.near_first, np.full(6, -1))) == min(2, 1 + len(near))
+        assert len(members_of(WORLD, robot, 1, 2, who.near, who.near_first, np.full(6, -1))) == min(2, 1 + len(near))
     assert world is not None
 
 
@@ -151,7 +152,7 @@ def lose(monkeypatch, robots):
 def test_a_window_that_is_lost_is_searched_and_the_event_says_so(monkeypatch):
     lose(monkeypatch, [0, 1, 2])
     world = World(np.random.default_rng(1), robots=3)
-    estimator = SetMembershipFilter(world.team, scope=Window(1, 3))
+    estimator = SetMembershipFilter.light(world.team, scope=Window(1, 3))
     belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
     assert escapes(belief, world.positions, world.headings) == []
     assert [(event.robot, event.failed, event.used) for event in belief.events] == [(k, ("exact",), "piqp") for k in range(3)]

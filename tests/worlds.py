@@ -11,7 +11,7 @@ from scipy import sparse
 
 from filter.angles import AngularIntervals, wrap
 from filter.arrays import Array
-from filter.belief import Belief
+from filter.belief import Belief, Proof
 from filter.constraints import WORLD, Constraints
 from filter.lp import LinearProgram
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
@@ -113,6 +113,27 @@ def exact_slack(normal: Array, offset: float, point: Array) -> Fraction:
     return Fraction(float(offset)) - sum(products, Fraction(0))
 
 
+def exact_claim(proof: Proof, claim: int) -> Fraction:
+    """Return by how much the least offset that a claim's multipliers prove, without any rounding, exceeds the claimed one."""
+    rows, box = proof.polytope.constraints, (proof.polytope.lower, proof.polytope.upper)
+    normal, total = [Fraction(float(x)) for x in proof.normal[claim]], -Fraction(float(proof.offset[claim]))
+    left = {int(proof.j[claim]): list(normal)}
+    if proof.i[claim] != WORLD:
+        left[int(proof.i[claim])] = [-x for x in normal]
+    used, prices = proof.rests_on(claim)
+    for row, price in zip(used.tolist(), map(Fraction, prices.tolist()), strict=True):
+        total += price * Fraction(float(rows.offset[row]))
+        for robot, sign in ((int(rows.j[row]), 1), (int(rows.i[row]), -1)):
+            if robot != WORLD:
+                rest = left.setdefault(robot, [Fraction(0), Fraction(0)])
+                left[robot] = [x - sign * price * Fraction(n) for x, n in zip(rest, rows.normal[row].tolist(), strict=True)]
+    for robot, rest in left.items():
+        total += sum(
+            max(x * Fraction(float(box[0][robot, m])), x * Fraction(float(box[1][robot, m]))) for m, x in enumerate(rest)
+        )
+    return total
+
+
 def offset_through(normal: Array, point: Array) -> float:
     """Return the least float offset with which a half-plane contains the point without any rounding."""
     offset = float(-exact_slack(normal, 0.0, point))
@@ -200,7 +221,7 @@ def of_robot(polytope, robot):
 
 def of_pair(polytope, i, j):
     """Return a polygon around x_j - x_i, from the pair's rows alone, and the row behind each edge."""
-    return single(polytope.of_pairs(np.array([i]), np.array([j])))
+    return single(polytope.of(np.array([i]), np.array([j])))
 
 
 def single(cuts):

@@ -55,7 +55,7 @@ class Options:
     """The optimum is found at every so many steps."""
     tangents: int = TANGENTS
     """Half-planes evenly around each displacement set in the optimum."""
-    performance_ratio: float = 0.995
+    performance_ratio: float = 0.999
     """How exactly the optimum is found: inner over outer area, below 1; the ratios are of the inner area."""
     tangent_spacing: float = 30.0
     """Greatest angle between the tangents of a range, in the filter and in the optimum [degrees]."""

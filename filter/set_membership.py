@@ -39,7 +39,7 @@ from filter.team import Team
 from filter.window import Window
 
 Policy = Literal["raise", "reject"]
-CORNER_SPACING = np.pi / 24  # [rad]
+CORNER_SPACING = np.pi / 36  # [rad]
 
 
 PHASES = ("predict", "headings", "merge", "prune", "project", "forget")

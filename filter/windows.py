@@ -25,8 +25,8 @@ from filter.solvers import Solver, name_of
 from filter.window import Boxes, Links, Window, box_around, links, members_of, rows_in
 from filter.windowed import PROVED, Task, Windowed, project_window
 
-# So many windows are projected between two looks at the clock.
-TOGETHER = 64
+# So many windows at most are projected between two looks at the clock, and so many at least by a thread, or it is not worth it.
+TOGETHER, WORTH_A_THREAD = 64, 8
 
 
 class Sheet(NamedTuple):
@@ -208,13 +208,14 @@ class _Walks:
     """
 
     def __init__(self, i: Integers, j: Integers, task: Task, is_over: IsOver, threads: int | None) -> None:
-        chunks = [np.arange(k, min(k + TOGETHER, len(j))) for k in range(0, len(j), TOGETHER)]
+        workers = threads or os.cpu_count() or 1
+        size = min(TOGETHER, max(WORTH_A_THREAD, -(-len(j) // workers)))
+        chunks = [np.arange(k, min(k + size, len(j))) for k in range(0, len(j), size)]
 
         def projected(chunk: Integers) -> Sheet | None:
             return None if is_over() else project_some(i[chunk], j[chunk], task)
 
-        workers = min(threads or os.cpu_count() or 1, len(chunks))
-        if workers <= 1:
+        if workers == 1 or len(chunks) <= 1:
             sheets = [projected(chunk) for chunk in chunks]
         else:
             with ThreadPoolExecutor(workers) as pool:

@@ -84,7 +84,7 @@ class SetMembershipFilter:
     stop: Stop = field(default_factory=Stop)
     rows_per_robot: int = 20
     rows_per_pair: int = 12
-    pairs: int = 36
+    pairs: int = 21
     corner_spacing: float | None = CORNER_SPACING
     tangent_spacing: float = TANGENT_SPACING
     scope: Scope = "team"

@@ -236,7 +236,8 @@ def project_window(i: int, j: int, task: Task, place: Integers) -> Windowed:
         normals[at] = edge_of(program, plane, trace, kept[at], rows[at], prices[at])
         where = place, program.centre, program.radius
         offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
-        found = found and is_tight(plane, vertices[kept[at]], normals[at], offsets[at])
+        # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
+        found = found and (i >= 0 or is_tight(plane, vertices[kept[at]], normals[at], offsets[at]))
     for member in members:
         place[member] = -1
     own, box = rows_on(i, j, who), box_around(i, j, task.box)

@@ -21,7 +21,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
 
-from experiments.prove_chain import Broken, Chain, exact
+from experiments.prove_chain import WORLD, Broken, Chain, exact
 
 FILE = "certificates.jsonl.gz"
 BAR = 40  # characters
@@ -31,12 +31,13 @@ def greatest(line: dict[str, Any]) -> Fraction:
     """Return what the line's multipliers prove to be above normal . (x_robot - x_from).
 
     Raises:
-        Broken: A multiplier is negative, the box is empty, or the pair is none.
+        Broken: A multiplier is negative, the box is empty, or a pair is none.
     """
-    if line["from"] >= line["robot"]:
-        raise Broken("a pair in the wrong order")
+    for i, j in ((line["from"], line["robot"]), *((row["i"], row["j"]) for row in line["rows"])):
+        if not WORLD <= i < j:
+            raise Broken(f"a pair {i}, {j} that is none, or in the wrong order")
     rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
-    if line["from"] >= 0:
+    if line["from"] != WORLD:
         rest |= {(line["from"], k): -exact(value) for k, value in enumerate(line["normal"])}
     total = Fraction(0)
     for row in line["rows"]:
@@ -84,15 +85,16 @@ def steps(found: Iterator[dict[str, Any]], count: list[int]) -> Iterator[list[di
     """
     step: list[dict[str, Any]] = []
     for line in found:
-        if step and line["t"] != step[0]["t"]:
-            yield step
-            step = []
         count[0] += 1
         try:
             check(line)
+            time = float.fromhex(line["t"])
         except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
-            when = f"t = {float.fromhex(line['t'])} s, robot {line['robot']}" if {"t", "robot"} <= line.keys() else "no time"
-            raise Broken(f"line {count[0]} ({when}): {error}") from None
+            when = " ".join(f"{name} = {line[name]}" for name in ("t", "robot") if isinstance(line, dict) and name in line)
+            raise Broken(f"line {count[0]} ({when or 'of no time'}): {error}") from None
+        if step and time != float.fromhex(step[0]["t"]):
+            yield step
+            step = []
         step.append(line)
     if step:
         yield step

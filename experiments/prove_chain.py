@@ -91,8 +91,10 @@ class Chain:
     def _check_boxes(self, log: Log, line: Record) -> None:
         """Check the box of every robot that a line names: moved with the robot, cut by the last step's edges and the arena."""
         for body in line["upper"]:
-            if (key := f"{body} {line['lower'][body]} {line['upper'][body]}") in self._seen:
+            if (key := str((body, line["lower"][body], line["upper"][body]))) in self._seen:
                 continue
+            if not 0 <= int(body) < log.header["robots"]:
+                raise Broken(f"the box of a robot {body} that there is not")
             self._seen.add(key)
             for side, k, direction in SIDES:
                 sign, robot, normal = (1 if side == "upper" else -1), int(body), plane(direction)

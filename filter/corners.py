@@ -55,7 +55,8 @@ def _corners(
 ) -> tuple[Integers, Array, Array]:
     """Return of whom each row is (c,), its normal (c, 2) and a certified offset (c,)."""
     (i, j), (normals, edges, first) = pairs, outlines
-    most = len(j) * int(np.ceil(2 * np.pi / spacing))
+    turns, pieces = _turns(normals, first, spacing)
+    most = (pieces - 1).sum()
     whose, found, offsets = np.empty(most, dtype=np.int64), np.empty((most, 2)), np.empty(most)
     place, count = np.full(len(box[0]), -1), 0
     for g in range(len(j)):
@@ -63,11 +64,9 @@ def _corners(
         for edge in range(first[g], first[g + 1]):
             following = edge + 1 if edge + 1 < first[g + 1] else first[g]
             a, b = normals[edge], normals[following]
-            turned = np.arctan2(_across(a, b), a[0] * b[0] + a[1] * b[1])
-            pieces = int(np.ceil(turned / spacing)) if STRAIGHT < turned < np.pi - STRAIGHT else 1
             begin = np.arctan2(a[1], a[0])
-            for piece in range(1, pieces):
-                angle = begin + turned * piece / pieces
+            for piece in range(1, pieces[edge]):
+                angle = begin + turns[edge] * piece / pieces[edge]
                 normal = np.array([np.cos(angle), np.sin(angle)])
                 prices = np.array([_across(normal, b), _across(a, normal)]) / _across(a, b)
                 behind = np.array([edges[edge], edges[following]])
@@ -77,7 +76,23 @@ def _corners(
         place[j[g]] = -1
         if i[g] >= 0:
             place[i[g]] = -1
-    return whose[:count].copy(), found[:count].copy(), offsets[:count].copy()
+    return whose, found, offsets
+
+
+@compiled
+def _turns(normals: Array, first: Integers, spacing: float) -> tuple[Array, Integers]:
+    """Return by how much each edge turns to the next of its polygon (e,) [rad], and into how many pieces that is cut (e,).
+
+    A polygon as small as its rounding may turn back and forth: in all by more than once around.
+    """
+    turns, pieces = np.empty(len(normals)), np.ones(len(normals), dtype=np.int64)
+    for g in range(len(first) - 1):
+        for edge in range(first[g], first[g + 1]):
+            a, b = normals[edge], normals[edge + 1 if edge + 1 < first[g + 1] else first[g]]
+            turns[edge] = np.arctan2(_across(a, b), a[0] * b[0] + a[1] * b[1])
+            if STRAIGHT < turns[edge] < np.pi - STRAIGHT:
+                pieces[edge] = int(np.ceil(turns[edge] / spacing))
+    return turns, pieces
 
 
 @compiled

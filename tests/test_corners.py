@@ -63,6 +63,23 @@ def test_of_a_point_and_of_a_segment_no_row_cuts_anything(polygon):
     assert (found.normal @ polygon.vertices.T <= found.offset[:, None] + 1e-15).all()
 
 
+def test_a_polygon_as_small_as_its_rounding_may_turn_back_and_forth():
+    normals = unit(
+        np.array([2.7116643128302638, 1.1667476516313764, 0.5999219218150889, 0.0517619873700772, 0.4377276253787197])
+    )
+    offsets = -np.array(
+        [4.378770442643793e-17, 1.40231231064620e-16, 1.15297521810965e-16, 1.0028962617185e-16, 1.931938105630e-16]
+    )
+    rows = Constraints.on_robot(0, normals, offsets, np.zeros(5, dtype=int))
+    polytope = Polytope(rows, np.full((1, 2), -1.0), np.full((1, 2), 1.0))
+    a = polytope.of(NOBODY, FIRST).polygons[0].normals
+    b = np.roll(a, -1, axis=0)
+    turned = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1))
+    turned = turned[(turned > 0) & (turned < np.pi - 1e-9)]
+    assert turned.sum() > 2 * np.pi
+    assert len(corner_rows(polytope, NOBODY, FIRST, 0.01, NUMBERS)) == (np.ceil(turned / 0.01) - 1).sum()
+
+
 def test_rows_on_a_pair_are_implied_by_the_pairs_rows():
     rng = np.random.default_rng(2)
     angles = np.sort(rng.uniform(-np.pi, np.pi, 9))

@@ -42,6 +42,7 @@ COMPILED = (
     "headings",
     "boxes",
     "slices",
+    "alignment",
 )
 AND = {
     "compiled": {"numba", "hashlib", "pathlib"},
@@ -89,8 +90,10 @@ ORDER = [
     "slices",
     "sightings",
     "hypotheses",
+    "cuts",
     "voting",
     "trust",
+    "alignment",
     "robust_belief",
     "merging",
     "robust",

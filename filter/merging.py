@@ -130,24 +130,27 @@ class Merging:
 
     def ended(self, sightings: Sightings, suspicion: Suspicion, alignment: Alignment) -> RobustBelief:
         """Return the new belief: sensors are judged by the sightings, and those that were lost or misled start over."""
-        before, robots = self._before, range(self._team.robots)
-        trust, estimating = before.trust.judged(before.time, self._judged, suspicion), Estimating(before.offsets, alignment)
-        estimating.see(sightings, self._team.robots, self._team.landmarks, before.trust.identity)
-        estimating.check(self._poll.sets)
-        estimating.judge(before.time)
-        offsets = estimating.offsets
-        misled = self._put_aside(trust, "camera") | self._put_aside(trust, "identity")
-        turned = self._turned(offsets)
-        doubtful = np.array([self._doubtful_since(robot) for robot in robots])
+        before, offsets = self._before, self._estimated(sightings, alignment)
+        trust = before.trust.judged(before.time, self._judged, suspicion)
+        misled, turned = self._put_aside(trust, "camera") | self._put_aside(trust, "identity"), self._turned(offsets)
+        doubtful = np.array([self._doubtful_since(robot) for robot in range(self._team.robots)])
         doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until), doubtful)
         suspended = np.where(np.isfinite(doubtful), before.time, before.suspended)
-        for robot in robots:
+        for robot in range(self._team.robots):
             because = self._because(robot, bool(misled[robot]), bool(turned[robot]))
             if because:
                 self._restart(robot, min(float(doubtful[robot]), before.time), because)
                 doubtful[robot], suspended[robot] = np.inf, before.time
         sets, votes, times = tuple(self._poll.sets), self._poll.votes, (doubtful, suspended, self._disputed)
         return RobustBelief(before.time, sets, votes, trust, offsets, *times, tuple(self._events))
+
+    def _estimated(self, sightings: Sightings, alignment: Alignment) -> Offsets:
+        """Return what is known of the cameras after sightings of landmarks."""
+        estimating = Estimating(self._before.offsets, alignment)
+        estimating.see(sightings, self._team.robots, self._team.landmarks, self._before.trust.identity)
+        estimating.check(self._poll.sets)
+        estimating.judge(self._before.time)
+        return estimating.offsets
 
     def _doubtful_since(self, robot: int) -> float:
         """Return since when several votes on a robot are being rejected [s]; infinite if they are not."""

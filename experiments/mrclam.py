@@ -56,7 +56,7 @@ class Options:
     duration: float | None = None
     """How long at most [s]; to the end if not given."""
     fault: str = "none"
-    """Put a fault into a copy of the data: silent, biased, swapped, duplicated or shifted."""
+    """Put a fault into a copy of the data: silent, biased, biased_right, swapped, exchanged, duplicated or shifted."""
     fault_robot: int = 1
     """Whose fault it is, by its number in the files."""
     seed: int = 0
@@ -87,7 +87,8 @@ def run(options: Options) -> int:
     following.run(team_filter(scenario, Motions(data, robots, bounds)), single)
     table = following.tally.table()
     found = summary_of(table, options.start, following.tally.resets)
-    summary = header_of(options, data, robots) | found
+    aside = following.tally.put_aside
+    summary = header_of(options, data, robots) | found | {"sensors_put_aside": len(aside), "put_aside": "; ".join(aside)}
     write_summary(folder, summary)
     draw_all(folder, table, scenario.team)
     print_table(f"mrclam, in {folder}", summary)

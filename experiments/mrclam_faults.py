@@ -36,12 +36,24 @@ def biased(tables: Tables, robot: int, start: float = 300.0, bias: float = 20 * 
     return _with(tables, robot, replace(log, measurements=measurements))
 
 
+def biased_right(tables: Tables, robot: int, start: float = 300.0) -> Tables:
+    """Return the tables with the robot's camera knocked to the other side."""
+    return biased(tables, robot, start, -20 * DEGREE)
+
+
 def swapped(tables: Tables, robot: int) -> Tables:
     """Return the tables with all barcodes of the robot and of the next one in the team swapped."""
-    robots = sorted(tables.logs)
-    other = robots[(robots.index(robot) + 1) % len(robots)]
+    other = next_to(robot, sorted(tables.logs))
     names = {robot: other, other: robot}
     return replace(tables, barcodes={barcode: names.get(subject, subject) for barcode, subject in tables.barcodes.items()})
+
+
+def exchanged(tables: Tables, robot: int, start: float = 300.0) -> Tables:
+    """Return the tables with these barcodes swapped in the middle of the run: in all logs from some time on."""
+    codes = {subject: barcode for barcode, subject in tables.barcodes.items()}
+    one, other = codes[robot], codes[next_to(robot, sorted(tables.logs))]
+    begin = _begin(tables) + start
+    return replace(tables, logs={name: _exchanged(log, one, other, begin) for name, log in tables.logs.items()})
 
 
 def duplicated(tables: Tables, robot: int) -> Tables:
@@ -61,7 +73,9 @@ def shifted(tables: Tables, robot: int, by: float = 0.5) -> Tables:
     return _with(tables, robot, replace(log, commands=late(log.commands), measurements=late(log.measurements)))
 
 
-FAULTS: Mapping[str, Fault] = {fault.__name__: fault for fault in (silent, biased, swapped, duplicated, shifted)}
+EVERY = (silent, biased, biased_right, swapped, exchanged, duplicated, shifted)
+FAULTS: Mapping[str, Fault] = {fault.__name__: fault for fault in EVERY}
+BEGINS = {"silent": 300.0, "biased": 300.0, "biased_right": 300.0, "exchanged": 300.0}  # the others are there all along [s]
 
 
 def faulty(tables: Tables, fault: str, robot: int) -> Tables:
@@ -75,6 +89,19 @@ def faulty(tables: Tables, fault: str, robot: int) -> Tables:
     if robot not in tables.logs:
         raise InvalidInput(f"a robot among {sorted(tables.logs)}", robot)
     return FAULTS[fault](tables, robot)
+
+
+def next_to(robot: int, robots: list[int]) -> int:
+    """Return the robot that comes next in a team, by their numbers in the files."""
+    return robots[(robots.index(robot) + 1) % len(robots)]
+
+
+def _exchanged(log: RobotLog, one: int, other: int, start: float) -> RobotLog:
+    """Return a log with two barcodes exchanged from some time on [s]."""
+    measurements = log.measurements.copy()
+    late, barcode = measurements[:, 0] >= start, log.measurements[:, 1]
+    measurements[late & (barcode == one), 1], measurements[late & (barcode == other), 1] = other, one
+    return replace(log, measurements=measurements)
 
 
 def _begin(tables: Tables) -> float:

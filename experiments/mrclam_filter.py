@@ -19,7 +19,7 @@ from filter.errors import Inconsistent
 from filter.polygon import Polygon
 from filter.region import Region
 from filter.robust import RobustFilter
-from filter.robust_belief import Restarted
+from filter.robust_belief import Distrusted, Restarted, Turned
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.frame import Frame
@@ -35,6 +35,7 @@ class Followed:
         suspended: (n,) True for a robot whose region is not guaranteed now.
         rejected: The measurements that were turned away at this frame.
         resets: How many robots were started over at this frame.
+        put_aside: Which sensors are no longer trusted since this frame, as "camera of r2".
         events: What happened, in words.
         seconds: How long the filter took.
     """
@@ -44,6 +45,7 @@ class Followed:
     suspended: Mask
     rejected: tuple[Source, ...]
     resets: int
+    put_aside: tuple[str, ...]
     events: tuple[str, ...]
     seconds: float
 
@@ -69,9 +71,18 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
         belief = robust.update(robust.predict(belief, told.time, told.odometry), told.measurements)
         rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
         resets = sum(isinstance(event, Restarted) for event in belief.events)
+        doubted = [event for event in belief.events if isinstance(event, Distrusted | Turned) and event.aside]
         located = Within(belief.regions, belief.headings.turned(0.0, carried.bounds.jitter))
         seconds = perf_counter() - begin
-        yield Followed(frame, located, ~belief.in_force, rejected, resets, tuple(map(str, belief.events)), seconds)
+        words = tuple(map(str, belief.events))
+        aside = tuple(named(event, scenario.team) for event in doubted)
+        yield Followed(frame, located, ~belief.in_force, rejected, resets, aside, words, seconds)
+
+
+def named(event: Distrusted | Turned, team: Team) -> str:
+    """Return the name of the sensor that an event is about."""
+    sensor, body = ("camera", event.robot) if isinstance(event, Turned) else (event.sensor, event.body)
+    return f"{sensor} of {team.name(body)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +115,7 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
         suspended = np.full(len(suspended), (bool(rejected) or bool(suspended.any())) and conflict is None)
         words = (*map(str, belief.events), *([f"started over: {conflict}"] if conflict else []))
         resets = len(suspended) if conflict else 0
-        yield Followed(frame, belief, suspended, rejected, resets, words, perf_counter() - begin)
+        yield Followed(frame, belief, suspended, rejected, resets, (), words, perf_counter() - begin)
 
 
 def _stepped(plain: SetMembershipFilter, belief: Belief, frame: Frame) -> tuple[Belief, Inconsistent | None]:

@@ -65,10 +65,12 @@ class Tally:
     Attributes:
         start: When the run starts [s].
         resets: How many robots were started over so far.
+        put_aside: Which sensors were found wrong so far, and when.
     """
 
     start: float
     resets: int = 0
+    put_aside: list[str] = field(default_factory=list)
     _rows: list[dict[str, object]] = field(default_factory=list)
 
     def add(self, step: Followed, estimate: GaussianBelief) -> Escaped:
@@ -81,6 +83,7 @@ class Tally:
         turned = step.belief.headings.contains(headings) | ~known
         centroids = np.array([outer.centroid for outer in outers])
         self.resets += step.resets
+        self.put_aside += [f"{name} at {step.frame.time - self.start:.1f} s" for name in step.put_aside]
         self._rows.append(
             {
                 "time": step.frame.time,

@@ -3,9 +3,10 @@
 Read the modules in this order: errors, arrays, compiled, angles, plane, polygon, polygons, constraints, lp, scaling, solvers,
 polytope, reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, budget,
 projector, window, windowed, outlines, windows, region, belief, headings, boxes, corners, regions, pairs, rejection,
-set_membership; slices, sightings, hypotheses, voting, trust, robust_belief, merging, robust, lag.
+set_membership; slices, sightings, hypotheses, cuts, voting, trust, alignment, robust_belief, merging, robust, lag.
 """
 
+from filter.alignment import Alignment
 from filter.angles import AngularIntervals
 from filter.belief import Belief, Event, Fallback, Proof, Rejected, Source
 from filter.budget import Budget
@@ -16,7 +17,7 @@ from filter.polygon import Polygon
 from filter.projection import Stop
 from filter.region import Region, Regions
 from filter.robust import RobustFilter
-from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief
+from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief, Turned
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from filter.trust import Suspicion
@@ -24,6 +25,7 @@ from filter.voting import Rules
 from filter.window import Window
 
 __all__ = [
+    "Alignment",
     "AngularIntervals",
     "Bearing",
     "Belief",
@@ -56,6 +58,7 @@ __all__ = [
     "Stop",
     "Suspicion",
     "Team",
+    "Turned",
     "Unbounded",
     "Window",
 ]

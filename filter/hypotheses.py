@@ -91,14 +91,14 @@ class Hypotheses:
         """Return centre and bound of the narrowest arc around all headings [rad]."""
         turns = np.floor(self.low / (2 * np.pi)) * 2 * np.pi
         low, high = self.low - turns, self.high - turns
-        low, high = np.append(low - 2 * np.pi, low), np.append(high - 2 * np.pi, high)  # the circle twice: each gap comes once
-        order = np.argsort(low)
-        ends = np.maximum.accumulate(high[order])
-        gaps = low[order][1:] - ends[:-1]
+        low, high = np.append(low - 2 * np.pi, low), np.append(high - 2 * np.pi, high)  # the circle twice
+        order, count = np.argsort(low), len(self)
+        lows, ends = low[order], np.maximum.accumulate(high[order])
+        gaps = lows[count:] - ends[count - 1 : -1]  # those in front of the second circle's slices: all are behind them once
         widest = int(np.argmax(gaps))
         if gaps[widest] <= 0:
             return 0.0, np.pi
-        begin, end = low[order][widest + 1], ends[widest] + 2 * np.pi
+        begin, end = lows[count + widest], ends[count - 1 + widest] + 2 * np.pi
         return float((begin + end) / 2), float((end - begin) / 2 + 1e-12)
 
 

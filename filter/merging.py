@@ -1,4 +1,12 @@
-"""Merging the sightings of one time into a belief: landmarks, then team mates, then the consequences."""
+"""Merging the sightings of one time into a belief: landmarks, then team mates, then the consequences.
+
+**Whose barcode it was.** A barcode names a team mate, but another one may wear it. So it is asked of every team mate whether it
+can have been what was seen: whether some pose of the robot and some position of the other one, as far as both are known, are
+in the sector. If the one that was named is the only one, the sighting is merged as one of it. If there are others, the robot
+has seen one of them, whichever, and nothing is learned of any. If it cannot have been the one that was named, the sighting is
+rejected. So robots that have exchanged their barcodes, at any time, do no harm, and sightings that agree by chance do not count
+as agreement.
+"""
 
 from __future__ import annotations
 
@@ -6,69 +14,113 @@ from functools import partial
 
 import numpy as np
 
+from filter.alignment import Alignment, Estimating, Offsets
 from filter.arrays import Array, Mask
 from filter.belief import Rejected, Source
+from filter.cuts import narrowed, seeing_any, seeing_body, seeing_place, within
 from filter.hypotheses import Cut, Hypotheses
-from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief, RobustEvent
+from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief, RobustEvent, Turned
 from filter.sightings import Sightings
-from filter.slices import narrow, see_body, see_place, seen_from, stay_within
+from filter.slices import COUNT, seen_from
 from filter.team import Team
-from filter.trust import Suspicion
+from filter.trust import Suspicion, Trust
 from filter.voting import Poll, Rules
 
 
 class Merging:
     """The work of one update; the belief it begins with stays as it is."""
 
-    def __init__(self, before: RobustBelief, team: Team, rules: Rules, suspicion: Suspicion, cells: int) -> None:
-        """Begin: votes that are over are closed."""
-        self._before, self._team, self._rules, self._suspicion = before, team, rules, suspicion
+    def __init__(self, before: RobustBelief, team: Team, rules: Rules, cells: int, anywhere: Array) -> None:
+        """Begin: votes that are over are closed. Where a robot can be that starts over is given by supports (COUNT,) [m]."""
+        self._before, self._team, self._rules, self._anywhere = before, team, rules, anywhere
         self._bodies = team.robots + len(team.landmarks)
         self._poll = Poll(before.sets, before.votes, before.time, rules, cells)
         self._judged: list[tuple[int, int, bool]] = []
         self._events: list[RobustEvent] = []
+        self._disputed = before.disputed.copy()
         for robot in range(team.robots):
             self._poll.expire(robot)
 
     def merge(self, sightings: Sightings) -> None:
         """Merge sightings, one after the other."""
         for robot, target, sector in zip(sightings.robot.tolist(), sightings.target.tolist(), sightings.sector, strict=True):
-            cut = self._cut(robot, target, sector)
             if robot == target:
-                self._cast(robot, target, cut)
-            elif self._before.trust.aside(robot, target):
-                self._judged.append((robot, target, not self._poll.agrees(robot, cut)))
+                self._cast(robot, target, partial(narrowed, sector))
+            elif target >= self._team.robots:
+                self._landmark(robot, target, sector)
             else:
-                self._judged.append((robot, target, not self._both(robot, target, sector, cut)))
+                self._team_mate(robot, target, sector)
 
-    def _cut(self, robot: int, target: int, sector: Array) -> Cut:
-        """Return what a sighting does to the slices of the robot that took it."""
-        if robot == target:
-            return partial(_narrowed, sector)
-        if target >= self._team.robots:
-            return partial(_seeing_place, self._team.landmarks[target - self._team.robots], sector)
-        return partial(_seeing_body, self._poll.sets[target].hull(), sector)
+    def _landmark(self, robot: int, target: int, sector: Array) -> None:
+        """Merge a sighting of a landmark; only judge it if a sensor of it is put aside."""
+        cut = partial(seeing_place, self._team.landmarks[target - self._team.robots], sector)
+        aside = self._before.trust.aside(robot, target)
+        agrees = self._poll.agrees(robot, cut) if aside else self._cast(robot, target, cut) == "agreed"
+        self._judged.append((robot, target, not agrees))
+
+    def _team_mate(self, robot: int, target: int, sector: Array) -> None:
+        """Merge a sighting of a team mate as one of whoever it can have been; only judge it if a sensor of it is put aside."""
+        cut, others = partial(seeing_body, self._hull(target), sector), self._others(robot, target, sector)
+        aside = self._before.trust.aside(robot, target)
+        if not others:
+            agrees = self._poll.agrees(robot, cut) if aside else self._both(robot, target, sector, cut)
+            self._judged.append((robot, target, not agrees))
+        elif not self._poll.agrees(robot, cut):
+            self._judged.append((robot, target, True))
+            if not aside:
+                self._reject(self._source(robot, target))
+        elif not aside:
+            bodies = [self._hull(body) for body in (target, *others)]
+            self._cast(robot, target, partial(seeing_any, bodies, sector), whoever=True)
+
+    def _hull(self, robot: int) -> Array:
+        """Return (COUNT,) supports of where a robot is for others: anywhere if what is known of it is disputed [m]."""
+        return self._poll.sets[robot].hull() if self._relied_on(robot) else self._anywhere
+
+    def _relied_on(self, robot: int) -> bool:
+        """Return whether others may rely on a robot's region: nothing was rejected or disagreed there for a window's length."""
+        return bool(self._before.in_force[robot] and self._before.time - self._disputed[robot] > self._rules.window)
+
+    def _others(self, robot: int, target: int, sector: Array) -> list[int]:
+        """Return the team mates, besides the one that a barcode names, that can have been seen in a sector."""
+        seer = self._seer(robot, target)
+        place, found = seen_from(seer.low, seer.high, seer.reach, sector), []
+        for body in range(self._team.robots):
+            hull = self._hull(body)
+            apart = (place + np.roll(hull, COUNT // 2) < 0).any()  # a line is between them
+            if body not in {robot, target} and not apart and len(seer.cut(partial(seeing_body, hull, sector))):
+                found.append(body)
+        return found
+
+    def _seer(self, robot: int, target: int) -> Hypotheses:
+        """Return the slices that a sighting is merged into: if it is right, what does without it does not matter."""
+        seer = self._poll.sets[robot]
+        return seer.select(seer.without != target)
 
     def _both(self, robot: int, target: int, sector: Array, cut: Cut) -> bool:
         """Merge a sighting into the robot that took it and into the team mate that it is of; return whether both agree."""
         verdict = self._cast(robot, target, cut)
-        if verdict == "rejected" or target >= self._team.robots:
+        if verdict == "rejected" or not self._relied_on(robot):
             return verdict == "agreed"
-        seer = self._poll.sets[robot]
-        seer = seer.select(seer.without != target)  # if the sighting is right, what does without it does not matter
+        seer = self._seer(robot, target)
         place = seen_from(seer.low, seer.high, seer.reach, sector)
-        return self._cast(target, self._bodies + robot, partial(_within, place)) == verdict == "agreed"
+        return self._cast(target, self._bodies + robot, partial(within, place)) == verdict == "agreed"
 
-    def _cast(self, robot: int, column: int, cut: Cut) -> str:
+    def _cast(self, robot: int, column: int, cut: Cut, whoever: bool = False) -> str:
         """Cast a vote and note what came of it."""
         others = np.unique(self._poll.sets[robot].without)
-        verdict, source = self._poll.cast(robot, column, cut), self._source(robot, column)
+        verdict, source = self._poll.cast(robot, column, cut, whoever), self._source(robot, column)
+        if verdict != "agreed":
+            self._disputed[robot] = self._before.time
         if verdict == "rejected":
-            self._events.append(Rejected(source, (Source("region", self._before.time, robot), source)))
+            self._reject(source)
         elif verdict == "contradicted":
             suspects = [self._source(robot, other) for other in others.tolist() if other not in (-1, -2, column)]
             self._events.append(Disagreement(self._before.time, robot, (*suspects, source)))
         return verdict
+
+    def _reject(self, source: Source) -> None:
+        self._events.append(Rejected(source, (Source("region", source.time, source.robot), source)))
 
     def _source(self, robot: int, column: int) -> Source:
         time = self._before.time
@@ -76,56 +128,67 @@ class Merging:
             return Source("sighting", time, column - self._bodies, robot)
         return Source("compass", time, robot) if column == robot else Source("sighting", time, robot, column)
 
-    def ended(self, anywhere: Array) -> RobustBelief:
-        """Return the new belief: sensors are judged, and who is lost or had believed a guilty one starts over.
-
-        Args:
-            anywhere: (COUNT,) supports of where a robot that starts over can be [m].
-        """
-        before, time = self._before, self._before.time
-        trust = before.trust.judged(time, self._judged, self._suspicion)
-        doubtful, suspended = before.doubtful_since.copy(), before.suspended.copy()
-        misled = self._put_aside(before.trust.camera, trust.camera, "camera") | self._put_aside(
-            before.trust.identity, trust.identity, "identity"
-        )
+    def ended(self, sightings: Sightings, suspicion: Suspicion, alignment: Alignment) -> RobustBelief:
+        """Return the new belief: sensors are judged by the sightings, and those that were lost or misled start over."""
+        before, offsets = self._before, self._estimated(sightings, alignment)
+        trust = before.trust.judged(before.time, self._judged, suspicion)
+        misled, turned = self._put_aside(trust, "camera") | self._put_aside(trust, "identity"), self._turned(offsets)
+        doubtful = np.array([self._doubtful_since(robot) for robot in range(self._team.robots)])
+        doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until), doubtful)
+        suspended = np.where(np.isfinite(doubtful), before.time, before.suspended)
         for robot in range(self._team.robots):
-            rejected = self._poll.recent(robot)[1]
-            lost = self._poll.lost(robot)
-            doubtful[robot] = min(doubtful[robot], self._poll.first_rejected(robot)) if rejected.sum() > 1 else np.inf
-            if lost or misled[robot]:
-                self._restart(robot, anywhere, float(min(doubtful[robot], time)), "it is lost" if lost else "it was misled")
-                doubtful[robot] = np.inf
-                suspended[robot] = time
-            elif np.isfinite(doubtful[robot]):
-                suspended[robot] = time
-        sets, votes = tuple(self._poll.sets), self._poll.votes
-        return RobustBelief(time, sets, votes, trust, doubtful, suspended, tuple(self._events))
+            because = self._because(robot, bool(misled[robot]), bool(turned[robot]))
+            if because:
+                self._restart(robot, min(float(doubtful[robot]), before.time), because)
+                doubtful[robot], suspended[robot] = np.inf, before.time
+        sets, votes, times = tuple(self._poll.sets), self._poll.votes, (doubtful, suspended, self._disputed)
+        return RobustBelief(before.time, sets, votes, trust, offsets, *times, tuple(self._events))
 
-    def _put_aside(self, before: Mask, after: Mask, sensor: str) -> Mask:
+    def _estimated(self, sightings: Sightings, alignment: Alignment) -> Offsets:
+        """Return what is known of the cameras after sightings of landmarks."""
+        estimating = Estimating(self._before.offsets, alignment)
+        estimating.see(sightings, self._team.robots, self._team.landmarks, self._before.trust.identity)
+        estimating.check(self._poll.sets)
+        estimating.judge(self._before.time)
+        return estimating.offsets
+
+    def _doubtful_since(self, robot: int) -> float:
+        """Return since when several votes on a robot are being rejected [s]; infinite if they are not."""
+        if self._poll.recent(robot)[1].sum() < 2:
+            return np.inf
+        return min(float(self._before.doubtful_since[robot]), self._poll.first_rejected(robot))
+
+    def _because(self, robot: int, misled: bool, turned: bool) -> str:
+        """Return why a robot starts over, or nothing."""
+        if self._poll.lost(robot):
+            return "it is lost"
+        return "it was misled" if misled else "its camera is suspected to be turned" if turned else ""
+
+    def _turned(self, now: Offsets) -> Mask:
+        """Note which cameras are suspected to be turned, or no longer; return (n,) those that newly are."""
+        before = self._before.offsets.suspected
+        for robot in np.flatnonzero(before != now.suspected).tolist():
+            offset, deviation, since = (float(column[robot]) for column in (now.offset, now.deviation, now.good_until))
+            self._events.append(Turned(self._before.time, robot, bool(now.suspected[robot]), offset, deviation, since))
+        return now.suspected & ~before
+
+    def _put_aside(self, trust: Trust, sensor: str) -> Mask:
         """Note which cameras or identities are put aside or trusted again; return (n,) who has believed one put aside."""
+        before, after = getattr(self._before.trust, sensor), getattr(trust, sensor)
         misled = np.zeros(self._team.robots, dtype=bool)
         for body in np.flatnonzero(before != after).tolist():
-            self._events.append(Distrusted(self._before.time, sensor, body, bool(after[body])))
+            kind, (since, pairs) = ("robot" if body < self._team.robots else "landmark"), trust.charges(sensor, body)
+            self._events.append(Distrusted(self._before.time, sensor, kind, body, bool(after[body]), since, pairs))
             if after[body]:
-                misled |= self._poll.believed(sensor, body, self._bodies)
+                misled |= self._misled(sensor, kind, body, since)
         return misled
 
-    def _restart(self, robot: int, anywhere: Array, since: float, because: str) -> None:
-        self._poll.restart(robot, Hypotheses.agreed(anywhere))
+    def _misled(self, sensor: str, kind: str, body: int, since: float) -> Mask:
+        """Return (n,) who has believed a sensor lately; a team mate that was proved to be itself misled nobody until then."""
+        recent = since if (sensor, kind) == ("identity", "robot") else self._before.time - self._rules.window
+        return self._poll.believed(sensor, body, self._bodies, recent)
+
+    def _restart(self, robot: int, since: float, because: str) -> None:
+        self._poll.restart(robot, Hypotheses.agreed(self._anywhere))
+        self._disputed[robot] = self._before.time
         self._events.append(Restarted(self._before.time, robot, since, because))
-
-
-def _narrowed(sector: Array, low: Array, high: Array, _: Array) -> Mask:
-    return narrow(low, high, sector[0], sector[1])
-
-
-def _seeing_place(place: Array, sector: Array, low: Array, high: Array, reach: Array) -> Mask:
-    return see_place(low, high, reach, place, sector)
-
-
-def _seeing_body(body: Array, sector: Array, low: Array, high: Array, reach: Array) -> Mask:
-    return see_body(low, high, reach, body, sector)
-
-
-def _within(place: Array, _low: Array, _high: Array, reach: Array) -> Mask:
-    return stay_within(reach, place)

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from filter.alignment import Alignment, Estimating, Offsets
 from filter.angles import AngularIntervals
 from filter.arrays import Array, number, whole
 from filter.hypotheses import Hypotheses, reach_of
@@ -33,6 +34,7 @@ class RobustFilter:
         team: The robots, the landmarks and their limits.
         rules: What is assumed of wrong measurements.
         suspicion: When a camera or an identity is put aside.
+        alignment: When a camera is suspected to be turned.
         cells: How many slices a full circle of headings has.
 
     Raises:
@@ -42,6 +44,7 @@ class RobustFilter:
     team: Team
     rules: Rules = field(default_factory=Rules)
     suspicion: Suspicion = field(default_factory=Suspicion)
+    alignment: Alignment = field(default_factory=Alignment)
     cells: int = 72
 
     def __post_init__(self) -> None:
@@ -65,7 +68,8 @@ class RobustFilter:
         )
         votes = Votes.none(robots, robots + len(self.team.landmarks), number("time [s]", time))
         trust = Trust.full(robots, robots + len(self.team.landmarks), float(time))
-        return RobustBelief(float(time), sets, votes, trust, np.full(robots, np.inf), np.full(robots, -np.inf))
+        offsets, never = Offsets.none(robots, float(time)), np.full(robots, -np.inf)
+        return RobustBelief(float(time), sets, votes, trust, offsets, -never, never, never)
 
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time, after the robots have moved.
@@ -78,8 +82,13 @@ class RobustFilter:
         """
         self.team.check_motion(belief.time, time, odometry)
         moves = _moves(odometry, self.team, time - belief.time)
+        estimating = Estimating(belief.offsets, self.alignment)
+        estimating.move(moves, time - belief.time)
+        for robot in np.flatnonzero(belief.offsets.suspected).tolist():  # its slices are of the camera's heading
+            distance, turn, aside = moves[robot]
+            moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
         sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
-        return replace(belief, time=time, sets=sets, events=())
+        return replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
 
     def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
         low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
@@ -103,9 +112,10 @@ class RobustFilter:
             InvalidInput: A record names an unknown robot or landmark.
         """
         records = self.team.checked(belief.time, measurements)
-        merging = Merging(belief, self.team, self.rules, self.suspicion, self.cells)
-        merging.merge(Sightings.of(records, self.team.robots))
-        return merging.ended(self.arena)
+        sightings = Sightings.of(records, self.team.robots)
+        merging = Merging(belief, self.team, self.rules, self.cells, self.arena)
+        merging.merge(sightings)
+        return merging.ended(sightings, self.suspicion, self.alignment)
 
     @cached_property
     def arena(self) -> Array:

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from filter.alignment import Offsets
 from filter.angles import AngularIntervals
 from filter.arrays import Array, Mask, read_only
 from filter.belief import Rejected, Source
@@ -61,20 +62,61 @@ class Distrusted:
     Attributes:
         time: When [s].
         sensor: "camera" or "identity".
-        body: Of which robot; an identity can be that of a landmark.
+        kind: "robot" or "landmark".
+        body: Which one, by its number among all bodies.
         aside: True when it is put aside, False when it is trusted again.
+        since: Since when its sightings are contradicted, without one that agrees [s]; infinite when it is trusted again.
+        pairs: With whom: the bodies that the camera saw, or the robots that read the identity.
     """
 
     time: float
     sensor: str
+    kind: str
     body: int
     aside: bool
+    since: float
+    pairs: tuple[int, ...]
 
     def __str__(self) -> str:
-        return f"{self.sensor} of body {self.body} {'put aside' if self.aside else 'trusted again'} at {self.time:.3f} s"
+        name = f"{self.sensor} of {self.kind} {self.body}"
+        if not self.aside:
+            return f"{name} trusted again at {self.time:.3f} s"
+        role, bodies = ("of" if self.sensor == "camera" else "by robots"), ", ".join(map(str, self.pairs))
+        return f"{name} put aside at {self.time:.3f} s: sightings {role} {bodies} contradict regions since {self.since:.3f} s"
 
 
-RobustEvent = Rejected | Disagreement | Restarted | Distrusted
+@dataclass(frozen=True)
+class Turned:
+    """A camera is suspected to be turned, as its robot drives in another direction than it shows; or it is trusted again.
+
+    **This is statistical evidence, no proof**: sets do not exclude it. As long as it lasts, the camera's bearings tell where
+    the robot is, however far the camera is turned, but not its heading, which can be any. The robot starts over at first.
+
+    Attributes:
+        time: When [s].
+        robot: Whose camera.
+        aside: True when it is suspected, False when it is trusted again.
+        offset: How far it is turned, by estimate; positive where bearings are too large [rad].
+        deviation: Of the estimate [rad].
+        since: The camera can be turned since then [s]; until a while before, it looked good.
+    """
+
+    time: float
+    robot: int
+    aside: bool
+    offset: float
+    deviation: float
+    since: float
+
+    def __str__(self) -> str:
+        by = f"by {np.degrees(self.offset):+.0f} +- {np.degrees(self.deviation):.0f} degrees"
+        told = f"as robot {self.robot} drives, its bearings are off {by} (evidence, no proof)"
+        if not self.aside:
+            return f"camera of robot {self.robot} trusted again at {self.time:.3f} s: {told}"
+        return f"camera of robot {self.robot} suspected to be turned since {self.since:.0f} s: {told}; its heading can be any"
+
+
+RobustEvent = Rejected | Disagreement | Restarted | Distrusted | Turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +128,10 @@ class RobustBelief:
         sets: (n) where each robot can be.
         votes: The votes so far.
         trust: Which sensors are put aside.
+        offsets: What is suspected of the cameras; statistical evidence.
         doubtful_since: (n,) since when the guarantee for a robot is suspended [s]; infinite where it is in force.
         suspended: (n,) when it last was [s]; -inf for never.
+        disputed: (n,) when votes on a robot were last rejected, disagreed, or were forgotten [s]; -inf for never.
         events: What happened in the last update.
     """
 
@@ -95,12 +139,14 @@ class RobustBelief:
     sets: tuple[Hypotheses, ...]
     votes: Votes
     trust: Trust
+    offsets: Offsets
     doubtful_since: Array
     suspended: Array
+    disputed: Array
     events: tuple[RobustEvent, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("doubtful_since", "suspended"):
+        for name in ("doubtful_since", "suspended", "disputed"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
@@ -115,6 +161,7 @@ class RobustBelief:
 
     @cached_property
     def headings(self) -> AngularIntervals:
-        """(n) arcs that contain the robots' headings."""
-        arcs = np.array([known.heading() for known in self.sets])
+        """(n) arcs that contain the robots' headings; whole circles where a camera is suspected to be turned."""
+        suspected = self.offsets.suspected.tolist()
+        arcs = np.array([(0.0, np.pi) if off else known.heading() for known, off in zip(self.sets, suspected, strict=True)])
         return AngularIntervals(arcs[:, 0], arcs[:, 1])

@@ -52,6 +52,8 @@ class Trust:
         last: (n, b) when each camera last saw each body [s], -inf for never.
         seen: (n, b) sightings, by weight.
         struck: (n, b) those that were contradicted, by weight.
+        streak: (n, b) those since the last that agreed, by weight.
+        since: (n, b) when the first was contradicted after the last that agreed [s], inf where the last one agreed.
         camera: (n,) cameras that are put aside.
         identity: (b,) bodies whose identity is.
     """
@@ -60,6 +62,8 @@ class Trust:
     last: Array
     seen: Array
     struck: Array
+    streak: Array
+    since: Array
     camera: Mask
     identity: Mask
 
@@ -72,7 +76,9 @@ class Trust:
     def full(cls, robots: int, bodies: int, time: float) -> Trust:
         """Return full trust: nothing was seen yet."""
         never, none = np.full((robots, bodies), -np.inf), np.zeros((robots, bodies))
-        return cls(time, never, none, none.copy(), np.zeros(robots, dtype=bool), np.zeros(bodies, dtype=bool))
+        return cls(
+            time, never, none, none.copy(), none.copy(), -never, np.zeros(robots, dtype=bool), np.zeros(bodies, dtype=bool)
+        )
 
     def aside(self, robot: int, target: int) -> bool:
         """Return whether sightings of this pair are not to be merged."""
@@ -81,27 +87,49 @@ class Trust:
     def judged(self, time: float, sightings: list[tuple[int, int, bool]], rules: Suspicion) -> Trust:
         """Return the trust after sightings at one time: robot, target, and whether it was contradicted."""
         fade = np.exp(-(time - self.time) / rules.memory)
-        last, seen, struck = self.last.copy(), self.seen * fade, self.struck * fade
+        seen, struck, streak = self.seen * fade, self.struck * fade, self.streak * fade
+        last, since = self.last.copy(), self.since.copy()
         for robot, target, contradicted in sightings:
             weight = min(1.0, (time - last[robot, target]) / rules.repeat)
             last[robot, target] = time
             seen[robot, target] += weight
             struck[robot, target] += weight * contradicted
-        camera, identity = _guilty(seen, struck, self.camera, self.identity, rules)
-        return Trust(time, last, seen, struck, camera, identity)
+            streak[robot, target] = streak[robot, target] + weight if contradicted else 0.0
+            since[robot, target] = min(since[robot, target], time) if contradicted else np.inf
+        lately = np.where(streak > 0, streak, seen * (last > since.min(axis=0)))
+        camera, identity = _guilty((seen, struck), (lately, streak), (self.camera, self.identity), rules)
+        return Trust(time, last, seen, struck, streak, since, camera, identity)
+
+    def charges(self, sensor: str, body: int) -> tuple[float, tuple[int, ...]]:
+        """Return since when a "camera" or an "identity" is contradicted [s], and the other ends of the pairs that say so."""
+        since = self.since[body] if sensor == "camera" else self.since[:, body]
+        return float(since.min()), tuple(np.flatnonzero(np.isfinite(since)).tolist())
 
 
-def _guilty(seen: Array, struck: Array, camera: Mask, identity: Mask, rules: Suspicion) -> tuple[Mask, Mask]:
-    """Return which sensors are put aside from now on: first those are trusted again that agree, then the guiltiest go."""
+def _guilty(
+    all_: tuple[Array, Array], lately: tuple[Array, Array], aside: tuple[Mask, Mask], rules: Suspicion
+) -> tuple[Mask, Mask]:
+    """Return which sensors are put aside from now on: first those are trusted again that agree, then the guiltiest go.
+
+    Barcodes are exchanged from one moment to the next, so that an identity is judged by what was seen since it was first
+    contradicted without agreeing again. A camera is not: a robot that is lost contradicts everything at once.
+
+    Args:
+        all_: (n, b) weight of all sightings and of those that were contradicted, ...
+        lately: ... and since then, with those that agree.
+        aside: (n,) cameras and (b,) identities that are put aside so far.
+        rules: When they are.
+    """
+    seen, struck = all_
     camera, identity = (
         sensors & ((struck.sum(axis) >= rules.mercy) | (struck.sum(axis) >= rules.share / 2 * seen.sum(axis)))
-        for sensors, axis in ((camera, 1), (identity, 0))
+        for sensors, axis in zip(aside, (1, 0), strict=True)
     )
     while True:
         # What is laid to the charge of one that is put aside does not count against the other.
         counts = ~(camera[:, None] | identity)
         cameras, cameras_share = _charges(seen * counts, struck * counts, 1, rules)
-        identities, identities_share = _charges(seen * counts, struck * counts, 0, rules)
+        identities, identities_share = _charges(lately[0] * counts, lately[1] * counts, 0, rules)
         if not (cameras.any() or identities.any()):
             return camera, identity
         if cameras_share.max() > identities_share.max():

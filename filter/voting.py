@@ -54,12 +54,14 @@ class Votes:
         opened: (n, c) when the vote that is open began [s], -inf where none is open.
         accepted: (n, c) when the last one was merged [s], -inf for never.
         rejected: (n, c) when the last one was rejected [s], -inf for never.
+        believed: (n, c) when the last one was merged that rests on the identity which was read [s], -inf for never.
         renewed: (n,) when the window began [s].
     """
 
     opened: Array
     accepted: Array
     rejected: Array
+    believed: Array
     renewed: Array
 
     def __post_init__(self) -> None:
@@ -70,7 +72,7 @@ class Votes:
     def none(cls, robots: int, bodies: int, time: float) -> Votes:
         """Return no votes yet."""
         never = np.full((robots, bodies + robots), -np.inf)
-        return cls(never, never.copy(), never.copy(), np.full(robots, time))
+        return cls(never, never.copy(), never.copy(), never.copy(), np.full(robots, time))
 
 
 class Poll:
@@ -80,14 +82,15 @@ class Poll:
         """Begin with what was known before, all of it of this time."""
         self.sets = list(sets)
         self._rules, self._cells, self.time = rules, cells, time
-        self._opened, self._accepted, self._rejected, self._renewed = (
+        self._opened, self._accepted, self._rejected, self._believed, self._renewed = (
             getattr(votes, column.name).copy() for column in fields(Votes)
         )
 
     @property
     def votes(self) -> Votes:
         """The votes as they are now."""
-        return Votes(self._opened.copy(), self._accepted.copy(), self._rejected.copy(), self._renewed.copy())
+        columns = (self._opened, self._accepted, self._rejected, self._believed, self._renewed)
+        return Votes(*(column.copy() for column in columns))
 
     def expire(self, robot: int) -> None:
         """Close the votes that are over, and the window if it is."""
@@ -102,8 +105,15 @@ class Poll:
         if time - self._renewed[robot] >= rules.window:
             self._renew(robot, self.sets[robot])
 
-    def cast(self, robot: int, column: int, cut: Cut) -> Verdict:
-        """Merge a vote on a robot; return what came of it."""
+    def cast(self, robot: int, column: int, cut: Cut, whoever: bool = False) -> Verdict:
+        """Merge a vote on a robot; return what came of it.
+
+        Args:
+            robot: Whose pose it is on.
+            column: Of `Votes`.
+            cut: What it says.
+            whoever: True if it holds whoever of several was seen, so that it does not rest on the identity which was read.
+        """
         known = self.sets[robot]
         bound = known.without != column
         judged = known.select(bound)
@@ -117,6 +127,7 @@ class Poll:
             self._opened[robot, column] = self.time if opens else self._opened[robot, column]
             merged = Hypotheses.concatenate([merged, spare])
         self._accepted[robot, column] = self.time
+        self._believed[robot, column] = self._believed[robot, column] if whoever else self.time
         if (merged.without == AGREED).any():
             self.sets[robot] = merged
             return "agreed"
@@ -131,7 +142,7 @@ class Poll:
     def restart(self, robot: int, anywhere: Hypotheses) -> None:
         """Forget all that is known of a robot, and all votes on it."""
         self._renew(robot, anywhere)
-        self._accepted[robot] = self._rejected[robot] = -np.inf
+        self._accepted[robot] = self._rejected[robot] = self._believed[robot] = -np.inf
 
     def _renew(self, robot: int, known: Hypotheses) -> None:
         """Begin a new window: all that is possible is agreed on."""
@@ -145,17 +156,13 @@ class Poll:
         accepted, rejected = self._accepted[robot], self._rejected[robot]
         return (accepted > since) & (accepted > rejected), (rejected > since) & (rejected >= accepted)
 
-    def believed(self, sensor: str, body: int, bodies: int) -> Mask:
-        """Return (n,) on whom a vote by a camera, or of an identity, was merged in the length of a window."""
-        since = self.time - self._rules.window
-        recent = self._accepted > since
-        if sensor == "camera":
-            misled = recent[:, bodies + body].copy()
-            misled[body] = recent[body, :bodies].any()
-            return misled
-        misled = recent[:, body].copy()
+    def believed(self, sensor: str, body: int, bodies: int, since: float) -> Mask:
+        """Return (n,) on whom a vote that rests on a camera, or on an identity, was merged after a time [s]."""
+        recent = (self._accepted if sensor == "camera" else self._believed) > since
+        own, others = (slice(bodies), bodies + body) if sensor == "camera" else (slice(bodies, None), body)
+        misled = recent[:, others].copy()
         if body < len(misled):
-            misled[body] = recent[body, bodies:].any()
+            misled[body] = recent[body, own].any()
         return misled
 
     def first_rejected(self, robot: int) -> float:

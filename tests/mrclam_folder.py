@@ -25,6 +25,7 @@ class Made:
     range_scale: float = 1.0
     bearing_error: float = 0.03
     range_error: float = 0.10
+    apart: float = 1.0
     seed: int = 0
 
 
@@ -64,7 +65,7 @@ def commands_of(robot, made, generator):
 
 def driven(robot, commands, clock, made):
     """Return (k, 3) x, y, heading of a robot that obeys its commands a lag later."""
-    pose = np.array([0.3 * robot, -0.4 * robot, 0.5 * robot])
+    pose = np.array([0.3 * robot * made.apart, -0.4 * robot * made.apart, 0.5 * robot])
     poses, fine = [pose.copy()], 4
     for begin in clock[:-1]:
         for part in range(fine):

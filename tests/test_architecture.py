@@ -44,6 +44,7 @@ COMPILED = (
     "boxes",
     "corners",
     "slices",
+    "alignment",
 )
 AND = {
     "compiled": {"numba", "hashlib", "pathlib"},
@@ -93,8 +94,10 @@ ORDER = [
     "slices",
     "sightings",
     "hypotheses",
+    "cuts",
     "voting",
     "trust",
+    "alignment",
     "robust_belief",
     "merging",
     "robust",

@@ -34,6 +34,19 @@ def test_the_arc_and_the_hull_contain_every_pose(seed):
 
 
 @pytest.mark.parametrize("seed", range(20))
+def test_the_arc_contains_slices_on_both_sides_of_zero(seed):
+    """Some begin just before a full turn and some just after, and either can be the longest."""
+    rng = np.random.default_rng(seed)
+    low = rng.uniform(-0.02, 0.02, 8)
+    high = low + rng.uniform(0, 0.04, 8)
+    reach = np.repeat(drawn(rng, 1).reach, 8, axis=0)
+    centre, bound = Hypotheses(np.full(8, AGREED), low, high, reach).heading()
+    assert (wrap(low - centre) >= -bound).all()
+    assert (wrap(high - centre) <= bound).all()
+    assert bound <= (high.max() - low.min()) / 2 + 1e-9
+
+
+@pytest.mark.parametrize("seed", range(20))
 def test_the_arc_is_the_narrowest(seed):
     known = drawn(np.random.default_rng(seed))
     _, bound = known.heading()

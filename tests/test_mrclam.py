@@ -12,6 +12,7 @@ from experiments.mrclam import Changes, main, numbers_of
 from experiments.mrclam_bounds import Bounds
 from experiments.mrclam_data import read_run
 from experiments.mrclam_ekf import kalman_filter
+from experiments.mrclam_faults import FAULTS
 from experiments.mrclam_figures import stretches
 from experiments.mrclam_filter import Followed, anywhere, rejecting, team_filter
 from experiments.mrclam_frames import Start, frames
@@ -116,7 +117,7 @@ def test_the_exit_code_is_one_only_for_an_escape_while_the_guarantee_is_in_force
     assert "ERROR" in {row["value"][0] for row in levels}
 
 
-@pytest.mark.parametrize("fault", ["silent", "biased", "swapped", "duplicated", "shifted"])
+@pytest.mark.parametrize("fault", FAULTS)
 def test_a_faulty_run_ends_without_a_crash(folder, tmp_path, monkeypatch, fault):
     monkeypatch.setattr(mrclam, "draw_all", lambda *_: None)  # the figures are those of any run
     options = ["--robots", "1,2", "--duration", "1.1", "--fault", fault, "--fault-robot", "2"]
@@ -254,7 +255,7 @@ def test_what_lasts_is_told_once_and_its_end_too():
     changes, nobody = Changes(Team(2)), np.zeros(2, dtype=bool)
 
     def told(outside, suspended, events=()):
-        step = Followed(None, None, np.array(suspended), (), 0, events, 0.0)
+        step = Followed(None, None, np.array(suspended), (), 0, (), events, 0.0)
         return changes.words(step, Escaped(np.array(outside), nobody, np.array(suspended)))
 
     assert told([False, False], [False, False]) == []

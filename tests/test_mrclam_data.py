@@ -333,7 +333,7 @@ def test_a_robot_that_drives_backwards_may_have_gone_either_way(run):
     assert motion.direction_bound > 1.5
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", sorted(FAULTS.keys() - {"exchanged"}))
 def test_a_fault_spoils_one_robots_log_and_nothing_else(folder, fault):
     tables = read_tables(folder)
     spoilt = faulty(tables, fault, 2)

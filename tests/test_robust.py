@@ -203,7 +203,7 @@ def test_an_identity_that_is_always_wrong_is_put_aside_and_named():
     belief = after[-1]
     named = [event for each in after for event in each.events if isinstance(event, Distrusted)]
     assert [(event.sensor, event.body, event.aside) for event in named] == [("identity", 3, True)]
-    assert "identity of body 3 put aside" in str(named[0])
+    assert "identity of landmark 3 put aside" in str(named[0])
     assert belief.trust.aside(0, 3)
     assert missing(belief, world) == []
 

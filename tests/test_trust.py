@@ -62,6 +62,15 @@ def test_a_picture_every_blink_counts_no_more_than_one_in_a_while():
     assert trust.camera[2]
 
 
+def test_a_charge_is_as_old_as_the_first_contradiction_since_one_that_agreed():
+    trust, rules = Trust.full(ROBOTS, BODIES, 0.0), Suspicion()
+    for time, wrong in ((1.0, True), (2.0, False), (3.0, True), (4.0, True)):
+        trust = trust.judged(time, [(2, 7, wrong), (1, 7, time > 3)], rules)
+    assert trust.charges("identity", 7) == (3.0, (1, 2))
+    assert trust.charges("camera", 1) == (4.0, (7,))
+    assert trust.charges("camera", 0) == (np.inf, ())
+
+
 @pytest.mark.parametrize("wrong", [{"memory": 0.0}, {"strikes": -1.0}, {"share": 2.0}])
 def test_a_suspicion_out_of_range_is_refused(wrong):
     with pytest.raises(InvalidInput):

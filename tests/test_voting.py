@@ -117,6 +117,18 @@ def test_asking_whether_a_vote_agrees_merges_nothing():
     assert asked.sets[0] is before
 
 
+def test_who_believed_an_identity_had_a_vote_that_rests_on_it():
+    asked = poll(Rules())
+    asked.cast(0, 1, interval(-1, 1), whoever=True)
+    assert asked.believed("camera", 0, BODIES, -1.0).tolist() == [True]
+    assert asked.believed("identity", 1, BODIES, -1.0).tolist() == [False]
+    asked.cast(0, 1, interval(-1, 1))
+    assert asked.believed("identity", 1, BODIES, -1.0).tolist() == [True]
+    asked.cast(0, 1, interval(-1, 1), whoever=True)
+    assert asked.believed("identity", 1, BODIES, -1.0).tolist() == [True]  # what was believed before still is
+    assert asked.believed("identity", 1, BODIES, 0.0).tolist() == [False]  # it was not after that
+
+
 @pytest.mark.parametrize("wrong", [{"tolerated": 2}, {"window": -1.0}, {"memory": np.nan}, {"quorum": 0}])
 def test_rules_out_of_range_are_refused(wrong):
     with pytest.raises(InvalidInput):

@@ -58,9 +58,19 @@ class World:
 
     def move(self, duration: float = 0.1, backwards: bool = False) -> Odometry:
         """Drive arcs with slip; the record's bounds hold, some of them just so."""
+        speed = self.rng.uniform(-0.5 if backwards else 0, 0.5, self.robots)
+        return self.drive(speed * duration, self.rng.uniform(-2, 2, self.robots) * duration, duration)
+
+    def tour(self, duration: float = 0.4) -> Odometry:
+        """Drive on and on, more or less straight, back to the middle from the rim."""
+        away = self.origin + self.size / 2 - self.positions
+        home = wrap(np.arctan2(away[:, 1], away[:, 0]) - self.headings)
+        wanted = np.where(np.hypot(*away.T) > self.size / 2, home, self.rng.uniform(-0.5, 0.5, self.robots))
+        return self.drive(np.full(self.robots, 0.4 * duration), np.clip(wanted, -duration, duration), duration)
+
+    def drive(self, distance: Array, turn: Array, duration: float) -> Odometry:
+        """Drive arcs of given lengths (n,) [m] and turns (n,) [rad], with slip; the record's bounds hold, some just so."""
         n, start = self.robots, self.time
-        speed = self.rng.uniform(-0.5 if backwards else 0, 0.5, n)
-        distance, turn = speed * duration, self.rng.uniform(-2, 2, n) * duration
         distance_bound, turn_bound, slip = 0.02 * np.abs(distance) + 1e-4, np.full(n, 0.01), np.full(n, 0.002)
         direction_bound = np.full(n, 0.02)
         way = self.headings + turn / 2 + direction_bound * self.error(n)

@@ -1,0 +1,137 @@
+"""A camera that is turned is suspected, and no other; its robot stays where it is claimed to be, with any heading."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_robust import started, world_of
+
+from filter.alignment import Alignment
+from filter.errors import InvalidInput
+from filter.measurements import Bearing
+from filter.robust import RobustFilter
+from filter.robust_belief import Restarted, Turned
+
+GUILTY = 1
+
+
+def touring(world, count, by=0.0, during=(0, np.inf), known="position"):
+    """Yield the belief at each of many steps, with the truth at each: one camera is turned by so much for a while [rad]."""
+    robust = RobustFilter(world.team)
+    belief = started(robust, world, known)
+    for step in range(count):
+        belief = robust.predict(belief, world.time + 0.4, world.tour(0.4))
+        records = world.measure(compasses=False)
+        belief = robust.update(belief, turned(records, by) if during[0] <= step < during[1] else records)
+        yield belief
+
+
+def turned(records, by):
+    return [replace(r, bearing=r.bearing + by * (r.robot == GUILTY)) if isinstance(r, Bearing) else r for r in records]
+
+
+def inside(belief, world):
+    """Return (n,) whether positions, and whether headings, are inside."""
+    outers = [region.outer for region in belief.regions]
+    places = np.array([bool(outer.contains(place)) for outer, place in zip(outers, world.positions, strict=True)])
+    return places, belief.headings.contains(world.headings)
+
+
+def named(beliefs):
+    return [event for belief in beliefs for event in belief.events if isinstance(event, Turned)]
+
+
+@pytest.mark.parametrize("begins", [0, 60])
+@pytest.mark.parametrize("by", np.radians([-20, 20]))
+@pytest.mark.parametrize("seed", range(4))
+def test_a_turned_camera_is_suspected_and_the_others_keep_their_guarantee(seed, by, begins):
+    world, beliefs = world_of(seed), []
+    others = np.arange(3) != GUILTY
+    for belief in touring(world, begins + 100, by, (begins, np.inf)):
+        beliefs.append(belief)
+        places, headings = inside(belief, world)
+        assert (places & headings)[others].all()
+        if belief.offsets.suspected[GUILTY] and not belief.events:
+            assert places.all()
+            assert headings.all()
+    (event,) = named(beliefs)
+    assert (event.robot, event.aside) == (GUILTY, True)
+    assert event.since <= 0.4 * begins < event.time < 0.4 * begins + 20
+    assert np.sign(event.offset) == np.sign(by)
+    assert "camera of robot 1 suspected to be turned" in str(event)
+    assert "no proof" in str(event)
+    assert beliefs[-1].headings.bound[GUILTY] == np.pi
+    assert beliefs[-1].regions[GUILTY].outer.area < 1.0
+
+
+@pytest.mark.parametrize("errors", ["uniform", "extreme"])
+@pytest.mark.parametrize("seed", range(4))
+def test_good_cameras_are_never_suspected(seed, errors):
+    world = world_of(seed, errors=errors)
+    for belief in touring(world, 250):
+        assert belief.events == ()
+        assert not belief.offsets.suspected.any()
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.5])
+def test_a_camera_off_by_half_its_bound_is_a_good_one(share):
+    world = world_of(5)
+    for belief in touring(world, 250, share * world.bearing):
+        assert named([belief]) == []
+
+
+def test_a_robot_of_a_suspected_camera_starts_over_and_says_since_when_it_is_doubtful():
+    world = world_of(2)
+    beliefs = list(touring(world, 100, np.radians(20), (40, np.inf)))
+    (belief,) = [each for each in beliefs if named([each])]
+    (restart,) = [event for event in belief.events if isinstance(event, Restarted)]
+    assert (restart.robot, restart.because) == (GUILTY, "its camera is suspected to be turned")
+    assert restart.doubtful_since <= 16.0
+    assert belief.suspended[GUILTY] == belief.time
+    assert belief.in_force[GUILTY]
+
+
+def test_a_camera_that_is_set_right_is_trusted_again():
+    world = world_of(3)
+    beliefs = list(touring(world, 500, np.radians(20), (30, 150)))
+    assert [(event.robot, event.aside) for event in named(beliefs)] == [(GUILTY, True), (GUILTY, False)]
+    assert "trusted again" in str(named(beliefs)[1])
+    places, headings = inside(beliefs[-1], world)
+    assert (places & headings).all()
+    assert beliefs[-1].headings.bound[GUILTY] < 0.3
+
+
+@pytest.mark.parametrize("by", np.radians([-20, 20]))
+def test_a_robot_that_is_bumped_has_a_good_camera(by):
+    """All landmarks are seen aside then, too; only how it drives on tells that it is the robot that was turned."""
+    for seed in range(3):
+        world = world_of(seed)
+        for step, belief in enumerate(touring(world, 200)):
+            world.headings = world.headings + by * (step == 60) * (np.arange(3) == GUILTY)
+            assert named([belief]) == []
+
+
+def test_the_estimate_begins_where_little_is_known_and_finds_the_offset():
+    world = world_of(4)
+    beliefs = list(touring(world, 150, np.radians(8), known="arena"))
+    offset, deviation = beliefs[-1].offsets.offset, beliefs[-1].offsets.deviation
+    assert beliefs[-1].offsets.running.all()
+    assert (np.abs(offset - np.radians(8) * (np.arange(3) == GUILTY)) < 3 * deviation).all()
+    assert (deviation < np.radians(3)).all()
+
+
+def test_without_bearings_nothing_is_suspected():
+    world = world_of(6)
+    robust = RobustFilter(world.team)
+    belief = started(robust, world, "pose")
+    for _ in range(20):
+        belief = robust.predict(belief, world.time + 0.4, world.tour(0.4))
+        belief = robust.update(belief, [r for r in world.measure(compasses=False) if not isinstance(r, Bearing)])
+        assert not belief.offsets.suspected.any()
+        assert np.isfinite(belief.offsets.mean).all()
+
+
+@pytest.mark.parametrize("wrong", [{"share": 1.5}, {"deviations": 0.0}, {"wander": -1.0}, {"prior": np.nan}])
+def test_an_alignment_out_of_range_is_refused(wrong):
+    with pytest.raises(InvalidInput):
+        Alignment(**wrong)

@@ -62,7 +62,7 @@ class Options:
     seed: int = 0
     """Where in its initial set each robot starts."""
     out: Path = Path("runs/mrclam")
-    """Folder for summary, figures, trajectories and recording."""
+    """Folder for summary, events, figures, trajectories and recording."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -83,7 +83,8 @@ def run(options: Options) -> int:
     bounds = declared.chained()  # the filter goes from frame to frame
     scenario, single = (scenario_of(options, data, robots, each) for each in (bounds, declared))
     folder = output_folder(options.out)
-    following = Following(scenario, folder, f"mrclam_{data.name}_{options.fault}")
+    name = f"mrclam_{data.name}_{options.fault}"
+    following = Following(scenario, folder, name, repeated(data, robots, scenario.team))
     following.run(team_filter(scenario, Motions(data, robots, bounds)), single)
     table = following.tally.table()
     found = summary_of(table, options.start, following.tally.resets)
@@ -126,6 +127,12 @@ def data_of(options: Options) -> Run:
     return run_of(tables if options.fault == "none" else faulty(tables, options.fault, options.fault_robot))
 
 
+def repeated(data: Run, robots: Sequence[int], team: Team) -> list[str]:
+    """Return in words whose logs have lines that are there twice."""
+    counts = [(k, data.logs[robot].dropped.duplicates) for k, robot in enumerate(robots)]
+    return [f"{team.name(k)}: {count} lines of its log are there twice, each is used once" for k, count in counts if count]
+
+
 def header_of(options: Options, data: Run, robots: Sequence[int]) -> dict[str, Value]:
     """Return what the summary says of the data."""
     return {
@@ -142,13 +149,15 @@ def header_of(options: Options, data: Run, robots: Sequence[int]) -> dict[str, V
 class Following:
     """Both filters follow a scenario; everything that shall be kept is written as it goes on."""
 
-    def __init__(self, scenario: Scenario, folder: Path, recording_id: str) -> None:
+    def __init__(self, scenario: Scenario, folder: Path, recording_id: str, logs: Sequence[str] = ()) -> None:
         self.tally = Tally(scenario.header.start)
         self._scenario = scenario
         self._trajectories = Trajectories(folder, scenario.team)
         path, walls = folder / "mrclam.rrd", scenario.walls
         self._recording = Recording(path, scenario.team, recording_id=recording_id, walls=walls, wall_height=0.0, inside=False)
-        self._changes = Changes(scenario.team)
+        self._changes = Changes(scenario.team, logs)
+        self._events = folder / "events.txt"
+        self._events.write_text("", encoding="utf-8")
         self._recorded = -np.inf
 
     def run(self, followed: Iterator[Followed], single: Scenario) -> None:
@@ -177,6 +186,8 @@ class Following:
             self._record(step, estimate)
         for text, level in words:
             self._recording.event(text, level)
+        with self._events.open("a", encoding="utf-8") as file:
+            file.writelines(f"{step.frame.time:10.3f} {level:5} {text}\n" for text, level in words)
 
     def _record(self, step: Followed, estimate: GaussianBelief) -> None:
         self._recorded = step.frame.time
@@ -200,14 +211,18 @@ class Changes:
 
     Attributes:
         team: Whose run it is.
+        logs: What is to be said of the logs, once.
     """
 
     team: Team
+    logs: Sequence[str] = ()
     _before: dict[str, set[int]] = field(default_factory=dict)
 
     def words(self, step: Followed, escaped: Escaped) -> list[tuple[str, str]]:
         """Return in words what is new at this frame, each with its level."""
-        words = [(event, "WARN") for event in step.events]
+        words = [(event, "WARN") for event in (*self.logs, *step.events)]
+        self.logs = ()
+        words += self._turns("no commands, nothing is known of its motion", "commands again", step.silent, "WARN")
         words += self._turns("guarantee suspended", "guarantee in force again", step.suspended, "WARN")
         words += self._turns("truth outside the polygon", "truth inside again", escaped.positions, "ERROR")
         return words + self._turns("heading outside its interval", "heading inside again", escaped.headings, "ERROR")

@@ -22,50 +22,12 @@ ODOMETRY = re.compile(r"Robot(\d+)_Odometry\.dat")
 DECIMALS = 6  # of times since the run's start [s]; the logs have three
 
 
-@dataclass(frozen=True, eq=False)
-class RobotLog:
-    """What one robot logged.
-
-    Attributes:
-        commands: (c, 3) time [s], forward speed [m/s] and turn rate [rad/s] that the robot was told from then on.
-        measurements: (m, 4) time [s], subject (in `Tables`: barcode), range [m] and bearing [rad] from the forward axis.
-        truth: (g, 4) time [s], x [m], y [m], heading [rad]; no rows where there is no file.
-    """
-
-    commands: Array
-    measurements: Array
-    truth: Array
-
-    def __post_init__(self) -> None:
-        for name in ("commands", "measurements", "truth"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
-
-
-@dataclass(frozen=True, eq=False)
-class Tables:
-    """The files of a run as they are: times on the logs' clock, barcodes instead of subjects.
-
-    Attributes:
-        name: The folder's name.
-        barcodes: The subject that each barcode names.
-        landmarks: (l, 3) subject, x [m], y [m], in the subjects' order.
-        logs: Of each robot, by its number in the files.
-        cut_lines: Last lines that are not whole and were left out.
-    """
-
-    name: str
-    barcodes: Mapping[int, int]
-    landmarks: Array
-    logs: Mapping[int, RobotLog]
-    cut_lines: int = 0
-
-
 @dataclass(frozen=True)
 class Dropped:
-    """What of the files could not be used.
+    """What of a robot's files, or of all, could not be used.
 
     Attributes:
-        cut_lines: Last lines that are not whole.
+        cut_lines: Last lines that are not whole and were left out.
         unknown_barcodes: Measurements of a barcode that names nobody, or the robot itself.
         duplicates: Commands and measurements that say the same as another one, bit for bit.
         impossible: Measurements of a negative range.
@@ -81,6 +43,44 @@ class Dropped:
 
 
 @dataclass(frozen=True, eq=False)
+class RobotLog:
+    """What one robot logged.
+
+    Attributes:
+        commands: (c, 3) time [s], forward speed [m/s] and turn rate [rad/s] that the robot was told from then on.
+        measurements: (m, 4) time [s], subject (in `Tables`: barcode), range [m] and bearing [rad] from the forward axis.
+        truth: (g, 4) time [s], x [m], y [m], heading [rad]; no rows where there is no file.
+        dropped: What could not be used.
+    """
+
+    commands: Array
+    measurements: Array
+    truth: Array
+    dropped: Dropped = field(default_factory=Dropped)
+
+    def __post_init__(self) -> None:
+        for name in ("commands", "measurements", "truth"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """The files of a run as they are: times on the logs' clock, barcodes instead of subjects.
+
+    Attributes:
+        name: The folder's name.
+        barcodes: The subject that each barcode names.
+        landmarks: (l, 3) subject, x [m], y [m], in the subjects' order.
+        logs: Of each robot, by its number in the files.
+    """
+
+    name: str
+    barcodes: Mapping[int, int]
+    landmarks: Array
+    logs: Mapping[int, RobotLog]
+
+
+@dataclass(frozen=True, eq=False)
 class Run:
     """A run of the data set, put in order.
 
@@ -89,14 +89,17 @@ class Run:
         epoch: The first command or measurement of anybody, on the logs' clock; all times are counted from here [s].
         logs: Of each robot, by its number in the files; in order of time.
         landmarks: (l, 3) subject, x [m], y [m].
-        dropped: What could not be used.
     """
 
     name: str
     epoch: float
     logs: Mapping[int, RobotLog]
     landmarks: Array
-    dropped: Dropped = field(default_factory=Dropped)
+
+    @property
+    def dropped(self) -> Dropped:
+        """What of all robots' files could not be used."""
+        return sum((log.dropped for log in self.logs.values()), Dropped())
 
 
 def read_run(folder: Path) -> Run:
@@ -121,13 +124,11 @@ def read_tables(folder: Path) -> Tables:
     robots = sorted(int(named[1]) for path in folder.glob("*") if (named := ODOMETRY.fullmatch(path.name)))
     if not robots:
         raise InvalidInput(f"logs of robots in {folder}", "no file Robot<k>_Odometry.dat")
-    read = {robot: _log(folder, robot) for robot in robots}
     return Tables(
         name=folder.resolve().name,
         barcodes={int(barcode): int(subject) for subject, barcode in subjects},
         landmarks=read_only(landmarks[np.argsort(landmarks[:, 0])][:, :3]),
-        logs={robot: log for robot, (log, _) in read.items()},
-        cut_lines=sum(cut for _, cut in read.values()),
+        logs={robot: _log(folder, robot) for robot in robots},
     )
 
 
@@ -141,32 +142,31 @@ def run_of(tables: Tables) -> Run:
     if not begun:
         raise InvalidInput(f"commands or measurements in {tables.name}", "none")
     epoch = float(min(begun))
-    used = {robot: _usable(robot, log, tables.barcodes, epoch) for robot, log in tables.logs.items()}
-    dropped = sum((less for _, less in used.values()), Dropped(cut_lines=tables.cut_lines))
-    return Run(tables.name, epoch, {robot: log for robot, (log, _) in used.items()}, tables.landmarks, dropped)
+    logs = {robot: _usable(robot, log, tables.barcodes, epoch) for robot, log in tables.logs.items()}
+    return Run(tables.name, epoch, logs, tables.landmarks)
 
 
-def _log(folder: Path, robot: int) -> tuple[RobotLog, int]:
-    """Return a robot's files, and how many last lines are cut off."""
+def _log(folder: Path, robot: int) -> RobotLog:
+    """Return a robot's files."""
     commands, cut = _table(folder / f"Robot{robot}_Odometry.dat", 3)
     measurements, cut_too = _table(folder / f"Robot{robot}_Measurement.dat", 4)
     where = folder / f"Robot{robot}_Groundtruth.dat"
     truth, cut_as_well = _table(where, 4) if where.exists() else (np.zeros((0, 4)), 0)
-    return RobotLog(commands, measurements, truth), cut + cut_too + cut_as_well
+    return RobotLog(commands, measurements, truth, Dropped(cut_lines=cut + cut_too + cut_as_well))
 
 
-def _usable(robot: int, log: RobotLog, barcodes: Mapping[int, int], epoch: float) -> tuple[RobotLog, Dropped]:
+def _usable(robot: int, log: RobotLog, barcodes: Mapping[int, int], epoch: float) -> RobotLog:
     subjects = np.array([barcodes.get(int(barcode), robot) for barcode in log.measurements[:, 1]], dtype=float)
     known, possible = subjects != robot, log.measurements[:, 2] >= 0
     named = np.column_stack([log.measurements[:, 0], subjects, log.measurements[:, 2:]])[known & possible]
     commands, measurements = _ordered(log.commands, epoch), _ordered(named, epoch)
     truth = _ordered(log.truth, epoch)
-    dropped = Dropped(
+    dropped = log.dropped + Dropped(
         unknown_barcodes=int((~known).sum()),
         duplicates=len(log.commands) + len(named) - len(commands) - len(measurements),
         impossible=int((known & ~possible).sum()),
     )
-    return RobotLog(commands, measurements, truth[np.unique(truth[:, 0], return_index=True)[1]]), dropped
+    return RobotLog(commands, measurements, truth[np.unique(truth[:, 0], return_index=True)[1]], dropped)
 
 
 def _ordered(table: Array, epoch: float) -> Array:

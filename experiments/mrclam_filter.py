@@ -33,6 +33,7 @@ class Followed:
         frame: What it was given.
         belief: What it knows now.
         suspended: (n,) True for a robot whose region is not guaranteed now.
+        silent: (n,) True for a robot whose commands have stopped: nothing is known of its motion.
         rejected: The measurements that were turned away at this frame.
         resets: How many robots were started over at this frame.
         put_aside: Which sensors are no longer trusted since this frame, as "camera of r2".
@@ -43,6 +44,7 @@ class Followed:
     frame: Frame
     belief: Located
     suspended: Mask
+    silent: Mask
     rejected: tuple[Source, ...]
     resets: int
     put_aside: tuple[str, ...]
@@ -76,7 +78,8 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
         seconds = perf_counter() - begin
         words = tuple(map(str, belief.events))
         aside = tuple(named(event, scenario.team) for event in doubted)
-        yield Followed(frame, located, ~belief.in_force, rejected, resets, aside, words, seconds)
+        silent = ~np.isin(np.arange(scenario.team.robots), [] if told.odometry is None else told.odometry.robot)
+        yield Followed(frame, located, ~belief.in_force, silent, rejected, resets, aside, words, seconds)
 
 
 def named(event: Distrusted | Turned, team: Team) -> str:
@@ -115,7 +118,8 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
         suspended = np.full(len(suspended), (bool(rejected) or bool(suspended.any())) and conflict is None)
         words = (*map(str, belief.events), *([f"started over: {conflict}"] if conflict else []))
         resets = len(suspended) if conflict else 0
-        yield Followed(frame, belief, suspended, rejected, resets, (), words, perf_counter() - begin)
+        silent = np.zeros(len(suspended), dtype=bool)  # its bounds of motion say so themselves
+        yield Followed(frame, belief, suspended, silent, rejected, resets, (), words, perf_counter() - begin)
 
 
 def _stepped(plain: SetMembershipFilter, belief: Belief, frame: Frame) -> tuple[Belief, Inconsistent | None]:

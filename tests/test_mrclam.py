@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from mrclam_folder import Made, write_run
+from mrclam_folder import CLOCK, Made, write_run
 from recordings import rows_of
 
 from experiments import mrclam
@@ -255,7 +255,7 @@ def test_what_lasts_is_told_once_and_its_end_too():
     changes, nobody = Changes(Team(2)), np.zeros(2, dtype=bool)
 
     def told(outside, suspended, events=()):
-        step = Followed(None, None, np.array(suspended), (), 0, (), events, 0.0)
+        step = Followed(None, None, np.array(suspended), nobody, (), 0, (), events, 0.0)
         return changes.words(step, Escaped(np.array(outside), nobody, np.array(suspended)))
 
     assert told([False, False], [False, False]) == []
@@ -269,6 +269,28 @@ def test_what_lasts_is_told_once_and_its_end_too():
         ("r1: guarantee in force again", "INFO"),
         ("r0: truth inside again", "INFO"),
     ]
+
+
+def test_a_robot_that_falls_silent_and_a_log_that_was_written_twice_are_named_in_the_events(tmp_path):
+    folder, out = write_run(tmp_path / "made", Made(duration=12.0)), tmp_path / "out"
+    for kind in ("Odometry", "Measurement"):
+        path = folder / f"Robot1_{kind}.dat"
+        lines = path.read_text().splitlines(keepends=True)
+        path.write_text("".join(lines + lines[-3:]))
+    path = folder / "Robot2_Odometry.dat"
+    kept = [line for line in path.read_text().splitlines(keepends=True) if "#" in line or not 3 < stamp_of(line) < 9]
+    path.write_text("".join(kept))
+    main(["--data", str(folder), "--robots", "1,2", "--out", str(out)])  # commands that were lost break what is declared
+    events = [line.split(maxsplit=2) for line in (out / "events.txt").read_text().splitlines()]
+    assert events[0][1:] == ["WARN", "r0: 6 lines of its log are there twice, each is used once"]
+    told = [(float(time), text) for time, _, text in events if text.startswith("r1:") and "commands" in text]
+    assert [text for _, text in told] == ["r1: no commands, nothing is known of its motion", "r1: commands again"]
+    assert told[0][0] == pytest.approx(3 + Bounds().hold, abs=0.8)
+    assert told[1][0] == pytest.approx(9, abs=0.8)
+
+
+def stamp_of(line):
+    return float(line.split()[0]) - CLOCK
 
 
 def test_stretches_end_where_it_holds_no_longer():

@@ -1,0 +1,131 @@
+"""How much worse may real robots be? A run, made harder in many ways, through the filter with its defaults.
+
+Run `python -m experiments.mrclam_margins --help`. The exit code is the guarantee: 0 only if no truth was outside what the
+filter claimed while it said that its guarantee was in force. What came out is in docs/real-robots.md.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from experiments.command import command
+from experiments.executors import executor
+from experiments.metrics import Value
+from experiments.mrclam_bounds import Bounds
+from experiments.mrclam_data import read_tables, run_of
+from experiments.mrclam_ekf import kalman_filter
+from experiments.mrclam_filter import team_filter
+from experiments.mrclam_frames import frames
+from experiments.mrclam_harder import HARDER
+from experiments.mrclam_metrics import Tally, summary_of
+from experiments.mrclam_motion import Motions
+from experiments.output import output_folder, write_summary
+from experiments.terminal import Counting
+from filter.arrays import whole
+from filter.errors import InvalidInput
+
+SHOWN = {
+    "escape_share": "outside",
+    "longest_escape_s": "for [s]",
+    "suspended_share": "suspended",
+    "rejected": "rejected",
+    "outer_area_median_m2": "area [m2]",
+    "set_rmse_m": "RMSE [m]",
+    "ekf_rmse_m": "EKF [m]",
+}
+BROKEN = ("frame_escapes_in_force", "frame_heading_escapes_in_force")
+KEPT = ("checks", *SHOWN, *BROKEN, "resets", "outer_area_p95_m2", "ekf_containment_997")
+
+
+@dataclass(frozen=True)
+class Options:
+    """Follow a run of the MRCLAM data set, made harder in many ways: errors, clocks, speeds, barcodes, gaps.
+
+    Exit code 0 only if no position and no heading was ever outside what the filter claimed while it said that its guarantee
+    was in force; 1 otherwise; 2 for bad input.
+    """
+
+    data: Path
+    """Folder of a run, as MRCLAM_Dataset6."""
+    changes: str = ",".join(HARDER)
+    """How it is made harder, with commas."""
+    start: float = 0.0
+    """When to start, since the first command or measurement [s]."""
+    duration: float | None = None
+    """How long at most [s]; to the end if not given."""
+    workers: int | None = None
+    """How many processes; one on each core if not given."""
+    seed: int = 0
+    """Where in its initial set each robot starts, and what chance decides of a change."""
+    out: Path = Path("runs/mrclam_margins")
+    """Folder for the summary."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the experiment with command-line arguments; return the exit code."""
+    return command("mrclam_margins", Options, run, arguments, stopped="there is no summary")
+
+
+def run(options: Options) -> int:
+    """Run the experiment; return the exit code.
+
+    Raises:
+        CorralError: An option, a file of the data, or the output folder cannot be used.
+    """
+    whole("seed", options.seed)
+    names = options.changes.split(",")
+    unknown = [name for name in names if name not in HARDER]
+    if unknown or len(set(names)) < len(names):
+        raise InvalidInput(f"different changes among {', '.join(HARDER)}", repr(options.changes))
+    read_tables(options.data)
+    folder, found = output_folder(options.out), dict[str, Mapping[str, Value]]()
+    with executor(options.workers) as pool, Counting(len(names), "runs") as progress:
+        running = {pool.submit(judged, options, name): name for name in names}
+        for future in as_completed(running):
+            found[running[future]] = future.result()
+            progress.advance()
+    rows = {name: found[name] for name in names}
+    write_summary(folder, {f"{name}_{key}": value for name, row in rows.items() for key, value in row.items()})
+    show(rows)
+    return int(any(row[key] for row in rows.values() for key in BROKEN))
+
+
+def judged(options: Options, name: str) -> dict[str, Value]:
+    """Return the figures of one run that was made harder."""
+    tables = HARDER[name].made_of(read_tables(options.data), np.random.default_rng(options.seed))
+    data, team, declared = run_of(tables), sorted(tables.logs), Bounds()
+    bounds, tally = declared.chained(), Tally(options.start)
+    scenario, single = (
+        frames(data, team, options.start, options.duration, bounds=each, generator=np.random.default_rng(options.seed))
+        for each in (bounds, declared)
+    )
+    estimate, step_ekf = kalman_filter(single)
+    for step, frame in zip(team_filter(scenario, Motions(data, team, bounds)), single.frames, strict=True):
+        estimate = step_ekf(estimate, frame)
+        tally.add(step, estimate)
+    figures = summary_of(tally.table(), options.start, tally.resets)
+    return {key: figures[key] for key in KEPT} | {"put_aside": "; ".join(tally.put_aside)}
+
+
+def show(rows: Mapping[str, Mapping[str, Value]]) -> None:
+    """Print the table."""
+    table = Table("run", *SHOWN.values(), title="made harder", title_justify="left")
+    for name, row in rows.items():
+        table.add_row(name, *(_shown(row[key]) for key in SHOWN))
+    Console().print(table)
+
+
+def _shown(value: Value) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

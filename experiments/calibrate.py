@@ -19,12 +19,14 @@ from rich.table import Table
 
 from experiments.calibration import Errors, command_lag, measurement_delay, motion_errors, sensor_errors, speed_scale
 from experiments.calibration_bounds import proposed, said, statistics
+from experiments.calibration_carried import proposed_carried
 from experiments.colours import colour_of
 from experiments.command import command
 from experiments.figures import LOOK
 from experiments.metrics import Value
 from experiments.mrclam import numbers_of
 from experiments.mrclam_bounds import Bounds
+from experiments.mrclam_carried import CarriedBounds
 from experiments.mrclam_data import Run, read_run
 from experiments.mrclam_frames import frames
 from experiments.output import output_folder, write_summary
@@ -69,13 +71,13 @@ class Judged:
         team: The robots and landmarks.
         found: Errors, kind by kind.
         clocks: Delays, lags and scales, by name.
-        bounds: What is proposed, or None.
+        proposed: Bounds of single records, and those that the filter for real robots takes; none where too little is known.
     """
 
     team: Team
     found: list[Errors]
     clocks: dict[str, Value]
-    bounds: Bounds | None
+    proposed: tuple[Bounds, CarriedBounds] | tuple[()]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -101,9 +103,10 @@ def run(options: Options) -> int:
     write_summary(folder, {"source": str(options.data or options.log), **judged.clocks, **flat})
     _draw(judged, folder / "errors.png")
     print_table(f"calibrate, in {folder}", judged.clocks)
-    if judged.bounds is not None:
-        (folder / "bounds.txt").write_text(said(judged.bounds) + "\n", encoding="utf-8")
-        Console().print(said(judged.bounds), highlight=False, soft_wrap=True)
+    if judged.proposed:
+        text = "\n".join(said(bounds) for bounds in judged.proposed)
+        (folder / "bounds.txt").write_text(text + "\n", encoding="utf-8")
+        Console().print(text, highlight=False, soft_wrap=True)
     return 0
 
 
@@ -113,7 +116,7 @@ def _judged(options: Options) -> Judged:
     if options.data is not None:
         return _of_data(read_run(options.data), numbers_of(options.robots), options)
     scenario = from_log(Path(str(options.log)))
-    return Judged(scenario.team, sensor_errors(scenario.frames, scenario.team), {}, None)
+    return Judged(scenario.team, sensor_errors(scenario.frames, scenario.team), {}, ())
 
 
 def _of_data(data: Run, robots: Sequence[int], options: Options) -> Judged:
@@ -131,8 +134,11 @@ def _of_data(data: Run, robots: Sequence[int], options: Options) -> Judged:
             clocks[f"{name}_speed_scale"] = speed_scale(data, robot)
             progress.advance()
     enough = {errors.kind for errors in found if len(errors.error)} >= {"range", "bearing", "turn over 10 s"}
-    bounds = proposed(found, _with_clocks(clocks), options.share, options.margin) if enough else None
-    return Judged(scenario.team, found, clocks, bounds)
+    if not enough:
+        return Judged(scenario.team, found, clocks, ())
+    known, share, margin = _with_clocks(clocks), options.share, options.margin
+    carried = proposed_carried(data, robots, found, known, share=share, margin=margin)
+    return Judged(scenario.team, found, clocks, (proposed(found, known, share, margin), carried))
 
 
 def _with_clocks(clocks: dict[str, Value]) -> Bounds:

@@ -122,7 +122,7 @@ def _motion_errors(run: Run, robot: int, index: int, motions: Motions, length: f
     truth = run.logs[robot].truth
     last = truth[-1, 0] if len(truth) else 0.0
     start = np.arange(0.0, max(last - length, 0.0), EVERY)
-    path, slip, turn, unbroken = _driven(run, robot, start, start + length)
+    path, slip, turn, unbroken = driven(run, robot, start, start + length)
     motion = motions.motion(index, start, start + length)
     scales = (("turn", motion.turn, turn, motion.turn_bound), ("path", motion.distance, path, motion.distance_bound))
     slack = motion.slip_bound  # a path may be off by the slip besides
@@ -134,8 +134,8 @@ def _motion_errors(run: Run, robot: int, index: int, motions: Motions, length: f
     return rows
 
 
-def _driven(run: Run, robot: int, start: Array, end: Array) -> tuple[Array, Array, Array, Mask]:
-    """Return (k,) true path, slip and turn in intervals, and whether the truth has no gap there."""
+def driven(run: Run, robot: int, start: Array, end: Array) -> tuple[Array, Array, Array, Mask]:
+    """Return (k,) true path, slip [m] and turn [rad] in intervals (k,) [s], and whether the truth has no gap there."""
     clock = np.arange(0.0, end.max(initial=0.0) + EVERY / 2, EVERY)
     poses = truth_at(run, [robot], clock)
     places, headings = poses.positions[:, 0], poses.headings[:, 0]
@@ -175,7 +175,7 @@ def command_lag(run: Run, robot: int) -> float | None:
     if len(truth) < len(DELAYS):
         return None
     start = np.arange(1.0, truth[-1, 0] - 1.0, EVERY)
-    _, _, turn, unbroken = _driven(run, robot, start, start + 0.5)
+    _, _, turn, unbroken = driven(run, robot, start, start + 0.5)
 
     def misfit(lag: float) -> float:
         motions = Motions(run, [robot], replace(Bounds(), command_lag=max(lag, 0.0)))
@@ -192,7 +192,7 @@ def speed_scale(run: Run, robot: int) -> float | None:
     """Return a robot's driven path over its commanded path, None without either."""
     truth = run.logs[robot].truth
     start = np.arange(0.0, truth[-1, 0] - 1.0 if len(truth) else 0.0, 1.0)
-    path, _, _, unbroken = _driven(run, robot, start, start + 1.0)
+    path, _, _, unbroken = driven(run, robot, start, start + 1.0)
     wide = replace(Bounds(), speed_scale=1.0, reach=NO_REACH)
     commanded = Motions(run, [robot], wide).motion(0, start, start + 1.0).distance
     told = float(commanded[unbroken].sum())

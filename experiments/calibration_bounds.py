@@ -10,6 +10,7 @@ import numpy as np
 from experiments.calibration import LENGTHS, Errors
 from experiments.metrics import Value, rounded
 from experiments.mrclam_bounds import Bounds, Knots
+from experiments.mrclam_carried import CarriedBounds
 from filter.arrays import Array
 from filter.team import Team
 
@@ -97,7 +98,7 @@ def _outward(value: float, step: float) -> float:
     return rounded(float(np.ceil(value / step - 1e-9)) * step)
 
 
-def said(bounds: Bounds) -> str:
+def said(bounds: Bounds | CarriedBounds) -> str:
     """Return bounds as Python, in the form the filter takes them; angles in radians."""
     fields = ",\n".join(f"    {name}={value!r}" for name, value in vars(bounds).items())
-    return f"Bounds(\n{fields},\n)"
+    return f"{type(bounds).__name__}(\n{fields},\n)"

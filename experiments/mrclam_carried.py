@@ -13,7 +13,7 @@ import numpy as np
 
 from experiments.mrclam_bounds import DEGREE
 from experiments.mrclam_motion import Motions
-from filter.arrays import Array, number
+from filter.arrays import Array, Floats, number
 from filter.measurements import Bearing, Measurement, Odometry, Range
 from sim.frame import Frame
 
@@ -46,8 +46,8 @@ class CarriedBounds:
     bearing: float = 4.0 * DEGREE
     jitter: float = 2.5 * DEGREE
     range: float = 0.03
-    shortest: float = 0.13
-    longest: float = 0.08
+    shortest: float = 0.14
+    longest: float = 0.09
     command_lag: float = 0.2
     speed_scale: float = 0.93
     turn_scale: float = 0.96
@@ -97,8 +97,20 @@ class Carried:
         odometry = None if frame.odometry is None else self._odometry(frame.odometry.start, frame.odometry.time)
         return Frame(frame.time, odometry, records, frame.truth)
 
+    def moved(self, robot: int, start: Floats, time: Floats) -> Array:
+        """Return (..., 5) what a robot was told from one time to another [s], numbers or arrays of one shape.
+
+        Path and its absolute value [m], turn and its absolute value [rad], and for how long its commands had stopped [s].
+        """
+        stamps, integrals = self._stamps[robot], self._integrals[robot]
+        ends = np.array([start, time])
+        last = np.searchsorted(stamps, ends, side="right") - 1
+        share = (ends - stamps[last]) / (stamps[last + 1] - stamps[last])
+        at_ends = integrals[last] + share[..., None] * (integrals[last + 1] - integrals[last])
+        return np.asarray(at_ends[1] - at_ends[0])
+
     def _odometry(self, start: float, time: float) -> Odometry:
-        moved = np.array([_between(*each, start, time) for each in zip(self._stamps, self._integrals, strict=True)])
+        moved = np.array([self.moved(robot, start, time) for robot in range(len(self._stamps))])
         robot = np.flatnonzero(moved[:, 4] == 0)
         distance, path, turn, turned = moved[robot, :4].T
         bounds, duration = self.bounds, time - start
@@ -131,12 +143,3 @@ def _integrals(table: Array) -> Array:
     _, speed, rate, silent = table.T
     rates = np.stack([speed, np.abs(speed), rate, np.abs(rate), silent], axis=1)
     return np.concatenate([np.zeros((1, 5)), np.cumsum(rates[:-1] * np.diff(table[:, 0])[:, None], axis=0)])
-
-
-def _between(stamps: Array, integrals: Array, start: float, time: float) -> Array:
-    """Return (5,) the integrals from one time to another."""
-    ends = np.array([start, time])
-    last = np.searchsorted(stamps, ends, side="right") - 1
-    share = (ends - stamps[last]) / (stamps[last + 1] - stamps[last])
-    at_ends = integrals[last] + share[:, None] * (integrals[last + 1] - integrals[last])
-    return np.asarray(at_ends[1] - at_ends[0])

@@ -1,7 +1,7 @@
 """How much worse may real robots be? A run, made harder in many ways, through the filter with its defaults.
 
-Run `python -m experiments.mrclam_margins --help`. The exit code is the guarantee: 0 only if no truth was outside what the
-filter claimed while it said that its guarantee was in force. What came out is in docs/real-robots.md.
+Run `python -m experiments.mrclam_margins --help`. Bounds are broken here on purpose, so that there is no guarantee to keep: what
+counts is how often a truth is outside, and for how long. What came out is in docs/real-robots.md.
 """
 
 from __future__ import annotations
@@ -41,16 +41,15 @@ SHOWN = {
     "set_rmse_m": "RMSE [m]",
     "ekf_rmse_m": "EKF [m]",
 }
-BROKEN = ("frame_escapes_in_force", "frame_heading_escapes_in_force")
-KEPT = ("checks", *SHOWN, *BROKEN, "resets", "outer_area_p95_m2", "ekf_containment_997")
+KEPT = ("checks", *SHOWN, "escapes_in_force", "heading_escapes", "resets", "outer_area_p95_m2", "ekf_containment_997")
 
 
 @dataclass(frozen=True)
 class Options:
     """Follow a run of the MRCLAM data set, made harder in many ways: errors, clocks, speeds, barcodes, gaps.
 
-    Exit code 0 only if no position and no heading was ever outside what the filter claimed while it said that its guarantee
-    was in force; 1 otherwise; 2 for bad input.
+    Bounds are broken here on purpose: what counts is how often a truth is outside, and for how long. Exit code 0 once all is
+    done, 2 for bad input.
     """
 
     data: Path
@@ -95,7 +94,7 @@ def run(options: Options) -> int:
     rows = {name: found[name] for name in names}
     write_summary(folder, {f"{name}_{key}": value for name, row in rows.items() for key, value in row.items()})
     show(rows)
-    return int(any(row[key] for row in rows.values() for key in BROKEN))
+    return 0
 
 
 def judged(options: Options, name: str) -> dict[str, Value]:

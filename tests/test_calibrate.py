@@ -8,11 +8,15 @@ from mrclam_folder import Made, write_run
 from experiments.calibrate import main
 from experiments.calibration import Errors, command_lag, measurement_delay, motion_errors, sensor_errors, speed_scale
 from experiments.calibration_bounds import proposed, said, statistics
+from experiments.calibration_carried import Moves, proposed_carried
 from experiments.log import LogReader
 from experiments.moving_team import main as moving_team
 from experiments.mrclam_bounds import Bounds, bound_over
+from experiments.mrclam_carried import Carried, CarriedBounds
 from experiments.mrclam_data import read_run
 from experiments.mrclam_frames import frames
+from experiments.mrclam_motion import Motions
+from filter.angles import wrap
 from filter.team import Team
 
 MADE = Made(duration=24.0, every=0.4, bearing_bias=0.05, range_scale=1.05, delay=0.08, lag=0.16)
@@ -125,6 +129,63 @@ def test_no_more_than_a_share_of_the_errors_break_what_is_proposed(seed, share):
 def test_what_is_said_is_python_for_the_bounds(found):
     bounds = proposed(found, Bounds(), 0.001, 1.25)
     assert vars(eval(said(bounds), {"Bounds": Bounds})) == vars(bounds)
+
+
+def carried_for(run, found, **how):
+    return proposed_carried(run, (1, 2), found, Bounds(command_lag=MADE.lag, speed_scale=MADE.scale), **how)
+
+
+def test_robots_that_obey_exactly_need_little_for_a_carried_heading(run, found):
+    bounds = carried_for(run, found, share=0.0, margin=1.0)
+    assert bounds.turn_scale == pytest.approx(1.0, abs=0.002)
+    assert bounds.jitter < np.radians(0.5)
+    assert (bounds.turn_share, bounds.slip) == (pytest.approx(0.0, abs=0.011), pytest.approx(0.0, abs=0.002))
+    assert bounds.distance_share < 0.03
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.1])
+def test_no_more_than_a_share_break_what_is_proposed_for_the_camera(run, found, share):
+    bounds = carried_for(run, found, share=share, margin=1.0)
+    ranges, bearings = by(found, "range"), by(found, "bearing")
+    short = ranges.error < -bounds.shortest * ranges.true - bounds.range
+    long = ranges.error > bounds.longest * ranges.true + bounds.range
+    assert (short | long).mean() <= share
+    assert (np.abs(bearings.error) > bounds.bearing).mean() <= share
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01])
+def test_no_more_than_a_share_of_the_turns_break_jitter_and_drift(tmp_path, share):
+    run = read_run(write_run(tmp_path / "made", replace(MADE, duration=40.0)))
+    logs = {k: replace(log, commands=log.commands * [1, 1.1, 1.2]) for k, log in run.logs.items()}  # obeyed less than said
+    off = replace(run, logs=logs)
+    scenario = frames(off, (1, 2))
+    bounds = carried_for(off, sensor_errors(scenario.frames, scenario.team), share=share, margin=1.0)
+    assert bounds.turn_scale == pytest.approx(1 / 1.2, rel=0.02)
+    carried = Carried(Motions(off, (1, 2), Bounds()), bounds)
+    for length in (0.1, 1.0, 10.0):
+        moves = Moves.of(off, (1, 2), carried, length)
+        assert len(moves.told) > 1000
+        error = np.abs(wrap(moves.did[:, 2] - bounds.turn_scale * moves.told[:, 2]))
+        allowed = 2 * bounds.jitter + bounds.turn_share * moves.told[:, 3] + bounds.turn_drift * length
+        assert (error > allowed + 1e-9).mean() <= share
+
+
+def test_the_moves_of_a_team_leave_out_silence_and_gaps(run):
+    carried = Carried(Motions(run, (1, 2), Bounds()))
+    whole = Moves.of(run, (1, 2), carried, 1.0)
+    truth = run.logs[1].truth
+    gap = replace(run, logs=run.logs | {1: replace(run.logs[1], truth=truth[(truth[:, 0] < 3) | (truth[:, 0] > 4)])})
+    fewer = Moves.of(gap, (1, 2), carried, 1.0)
+    assert len(whole.told) - len(fewer.told) == pytest.approx(40, abs=2)  # begun from 2 s to 4 s, every 0.05 s
+
+
+def test_both_kinds_of_bounds_are_said(folder, tmp_path):
+    assert main(["--data", str(folder), "--robots", "1,2", "--out", str(tmp_path)]) == 0
+    text = (tmp_path / "bounds.txt").read_text()
+    given = {"Bounds": Bounds, "CarriedBounds": CarriedBounds}
+    at = text.index("CarriedBounds(")
+    assert isinstance(eval(text[:at], given), Bounds)
+    assert isinstance(eval(text[at:], given), CarriedBounds)
 
 
 def test_a_run_is_judged_from_the_command_line(folder, tmp_path, capsys):

@@ -35,7 +35,7 @@ class Harder:
         speed: Commanded speeds are so many times as large; the robots drive as before.
         turn: So are turn rates.
         misread: So large a share of the measurements has another barcode than it should, in bursts.
-        gaps: Commands are missing every now and then, and each robot sees nothing for a while.
+        gaps: Commands that are obeyed are missing every now and then, and each robot sees nothing for a while.
     """
 
     errors: float = 1.0

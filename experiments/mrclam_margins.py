@@ -1,7 +1,7 @@
 """How much worse may real robots be? A run, made harder in many ways, through the filter with its defaults.
 
-Run `python -m experiments.mrclam_margins --help`. Bounds are broken here on purpose, so that there is no guarantee to keep: what
-counts is how often a truth is outside, and for how long. What came out is in docs/real-robots.md.
+Run `python -m experiments.mrclam_margins --help`. Bounds are broken here on purpose, so that there is no guarantee to keep:
+what counts is how often a truth is outside, and for how long. What came out is in docs/real-robots.md.
 """
 
 from __future__ import annotations

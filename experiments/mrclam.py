@@ -19,7 +19,7 @@ from experiments.command import command
 from experiments.comparison_metrics import WIDE_SIZE
 from experiments.metrics import Value
 from experiments.mrclam_bounds import Bounds
-from experiments.mrclam_data import Run, read_tables, run_of
+from experiments.mrclam_data import RobotLog, Run, read_tables, run_of
 from experiments.mrclam_ekf import kalman_filter
 from experiments.mrclam_faults import faulty
 from experiments.mrclam_figures import draw_all
@@ -128,9 +128,14 @@ def data_of(options: Options) -> Run:
 
 
 def repeated(data: Run, robots: Sequence[int], team: Team) -> list[str]:
-    """Return in words whose logs have lines that are there twice."""
-    counts = [(k, data.logs[robot].dropped.duplicates) for k, robot in enumerate(robots)]
-    return [f"{team.name(k)}: {count} lines of its log are there twice, each is used once" for k, count in counts if count]
+    """Return in words how much of whose logs is there twice."""
+    logs = [(team.name(k), data.logs[robot]) for k, robot in enumerate(robots)]
+    return [f"{name}: {_repeats(log)}" for name, log in logs if log.dropped.duplicates]
+
+
+def _repeats(log: RobotLog) -> str:
+    twice = log.dropped.duplicates
+    return f"{twice} of {len(log.commands) + len(log.measurements) + twice} lines of its log repeat others, and are left out"
 
 
 def header_of(options: Options, data: Run, robots: Sequence[int]) -> dict[str, Value]:

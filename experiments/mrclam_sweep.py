@@ -188,10 +188,9 @@ def summary_of(outcomes: Sequence[Outcome]) -> dict[str, Value]:
 
 
 def show(outcomes: Sequence[Outcome]) -> None:
-    """Print the table."""
-    ours = ("fault", "robot", "others outside", "in force", "its positions", "its headings")
-    heads = (*ours, "named after", "missed", "wrongly named")
-    table = Table(*heads, title="faults", title_justify="left")
+    """Print the table: of frames with others outside, of them in force, with the guilty one's position or heading outside."""
+    heads = ("fault", "robot", "others", "in force", "places", "headings", "named after", "missed", "wrong")
+    table = Table(*heads, title="Frames with the truth outside, and who was named", title_justify="left", padding=0)
     for outcome in outcomes:
         table.add_row(*(str(value) for value in vars(outcome).values()))
     Console().print(table)

@@ -133,7 +133,8 @@ def _with_silence(table: Array, hold: float) -> Array:
     stops = table[ends - table[:, 0] > hold, 0] + hold
     standing, silent = np.zeros((len(table), 1)), np.zeros((len(stops), 4))
     silent[:, 0], silent[:, 3] = stops, 1.0
-    edges = np.array([[-FAR, 0.0, 0.0, 0.0], [FAR, 0.0, 0.0, 0.0]])
+    unknown = float(not len(table))  # a robot stands before its first command, but not if nobody knows of any
+    edges = np.array([[-FAR, 0.0, 0.0, unknown], [FAR, 0.0, 0.0, 0.0]])
     rows = np.concatenate([edges[:1], np.hstack([table, standing]), silent, edges[1:]])
     return rows[np.argsort(rows[:, 0], kind="stable")]
 

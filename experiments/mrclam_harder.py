@@ -67,7 +67,9 @@ class Harder:
         error[:, 1] = wrap(error[:, 1])
         plain = (np.abs(error) < MISREAD).all(axis=1, keepdims=True)  # False where there is no truth
         said = np.where(plain, true + self.errors * error, table[:, 2:])
-        distance, bearing = np.maximum(self.ranges * said[:, 0], 0.0), wrap(said[:, 1] + self.camera)
+        possible = table[:, 2] >= 0  # what is not stays as it is, to be dropped
+        distance = np.where(possible, np.maximum(self.ranges * said[:, 0], 0.0), table[:, 2])
+        bearing = wrap(said[:, 1] + self.camera)
         return np.column_stack([table[:, 0] + self.measured, table[:, 1], distance, bearing])
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from filter.angles import wrap
 from filter.arrays import Array, Mask, number, read_only
 from filter.compiled import compiled
 from filter.errors import InvalidInput
@@ -186,6 +187,7 @@ class Estimating:
     def judge(self, time: float) -> None:
         """Suspect cameras whose offset is beyond the bound for sure, and those no longer that agree again, at a time [s]."""
         rules, (good_until, bad_since, suspected) = self._rules, self._judgement
+        self._mean[:, 3] = wrap(self._mean[:, 3])  # a full turn is none
         off, deviation = np.abs(self._mean[:, 3]), np.sqrt(self._covariance[:, 3, 3])
         looks_good = ~self._running | (off <= deviation / 2)
         good_until = np.where(looks_good, np.maximum(good_until, time - rules.delay), good_until)

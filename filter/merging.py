@@ -45,6 +45,8 @@ class Merging:
         """Merge sightings, one after the other."""
         for robot, target, sector in zip(sightings.robot.tolist(), sightings.target.tolist(), sightings.sector, strict=True):
             if robot == target:
+                if self._before.offsets.suspected[robot]:
+                    continue  # its slices are of the camera's heading, of which a compass says nothing
                 self._cast(robot, target, partial(narrowed, sector))
             elif target >= self._team.robots:
                 self._landmark(robot, target, sector)

@@ -11,6 +11,7 @@ import numpy as np
 from filter.alignment import Alignment, Estimating, Offsets
 from filter.angles import AngularIntervals
 from filter.arrays import Array, number, whole
+from filter.errors import InvalidInput
 from filter.hypotheses import Hypotheses, reach_of
 from filter.measurements import Measurement, Odometry
 from filter.merging import Merging
@@ -38,7 +39,7 @@ class RobustFilter:
         cells: How many slices a full circle of headings has.
 
     Raises:
-        InvalidInput: There are fewer than 8 cells.
+        InvalidInput: There are fewer than 8 cells, or a finite side of the arena or a landmark is beyond 1e6 m.
     """
 
     team: Team
@@ -49,6 +50,8 @@ class RobustFilter:
 
     def __post_init__(self) -> None:
         whole("cells of the circle", self.cells, 8)
+        _near("landmarks", self.team.landmarks)
+        _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
         """Return the belief before any measurement.
@@ -59,8 +62,10 @@ class RobustFilter:
             headings: (n) arcs around the headings, or None when nothing is known.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ, or a set is empty.
+            InvalidInput: The numbers of sets and robots differ, a set is empty, or beyond 1e6 m.
         """
+        for polygon in positions:
+            _near("initial polygons", polygon.vertices)
         robots, known = self.team.robots, self.team.initial_headings(positions, headings)
         sets = tuple(
             Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
@@ -122,6 +127,14 @@ class RobustFilter:
         """(COUNT,) supports of the arena, or of far more than any robot drives [m]."""
         corners = np.clip(self.team.arena, -FARTHEST, FARTHEST)
         return reach_of(Polygon.box(*corners))
+
+
+def _near(name: str, places: Array) -> None:
+    """Refuse places where the robust filter does not reach: what is endless to it would end before them."""
+    if (np.abs(places) > FARTHEST).any():
+        raise InvalidInput(
+            f"{name} within {FARTHEST:g} m of the origin (subtract one that is near)", f"{np.abs(places).max():g} m"
+        )
 
 
 def _moves(odometry: Odometry | None, team: Team, duration: float) -> list[tuple[Array, Array, Array]]:

@@ -90,7 +90,8 @@ class Turned:
     """A camera is suspected to be turned, as its robot drives in another direction than it shows; or it is trusted again.
 
     **This is statistical evidence, no proof**: sets do not exclude it. As long as it lasts, the camera's bearings tell where
-    the robot is, however far the camera is turned, but not its heading, which can be any. The robot starts over at first.
+    the robot is, however far the camera is turned, but not its heading, which can be any; a compass is not merged. The robot
+    starts over at first.
 
     Attributes:
         time: When [s].

@@ -8,9 +8,11 @@ from test_robust import started, world_of
 
 from filter.alignment import Alignment
 from filter.errors import InvalidInput
-from filter.measurements import Bearing
+from filter.measurements import Bearing, Compass, Odometry, Range
+from filter.polygon import Polygon
 from filter.robust import RobustFilter
 from filter.robust_belief import Restarted, Turned
+from filter.team import Team
 
 GUILTY = 1
 
@@ -135,3 +137,22 @@ def test_without_bearings_nothing_is_suspected():
 def test_an_alignment_out_of_range_is_refused(wrong):
     with pytest.raises(InvalidInput):
         Alignment(**wrong)
+
+
+@pytest.mark.parametrize("compass", [False, True])
+def test_a_compass_does_no_harm_while_a_camera_is_suspected(compass):
+    """The slices are then of the camera's heading; the robot stands in the middle and its camera is off by 0.4."""
+    marks, off = np.array([[4.0, 0.0], [0.0, 4.0], [-4.0, 0.0], [0.0, -4.0]]), 0.4
+    robust = RobustFilter(Team(1, marks, arena=np.array([[-5.0, -5.0], [5.0, 5.0]])))
+    belief = robust.start(0.0, [Polygon.box([-5, -5], [5, 5])])
+    mean, covariance = belief.offsets.mean.copy(), belief.offsets.covariance.copy()
+    mean[0, 3], covariance[0] = off, np.diag([0.01, 0.01, 0.001, 0.001])
+    said = {"running": np.array([True]), "suspected": np.array([True]), "allowed": np.array([0.1])}
+    belief = replace(belief, offsets=replace(belief.offsets, mean=mean, covariance=covariance, **said))
+    for k in range(1, 60):
+        time = 0.2 * k
+        belief = robust.predict(belief, time, Odometry(belief.time, time, 0, 0.0, 0.001, 0.0, 0.01, 0.01, 0.001))
+        records = [Bearing(time, 0, 1, off, 0.1), Range(time, 0, 1, 4.0, 0.1, 0.0)]
+        belief = robust.update(belief, [*records, *([Compass(time, 0, 0.0, 0.05)] if compass else [])])
+        assert belief.regions[0].outer.contains([0.0, 0.0])
+    assert belief.offsets.suspected[0]

@@ -52,12 +52,16 @@ def test_commands_hold_until_the_next_one_and_add_up():
 
 
 def test_a_robot_whose_commands_have_stopped_is_left_out_until_they_come_again():
-    team = carried([(0.0, 0.1, 0.0), (5.0, 0.1, 0.0)], [(t, 0.0, 0.0) for t in range(9)], [], command_lag=0.0)
-    assert moved(team, 1.0, 2.0, 3).robot.tolist() == [0, 1, 2]  # who was never told anything stands
+    team = carried([(0.0, 0.1, 0.0), (5.0, 0.1, 0.0)], [(t, 0.0, 0.0) for t in range(9)], [(9.0, 0.1, 0.0)], command_lag=0.0)
+    assert moved(team, 1.0, 2.0, 3).robot.tolist() == [0, 1, 2]  # who was not told anything yet stands
     assert moved(team, 1.5, 2.5, 3).robot.tolist() == [1, 2]
     assert moved(team, 3.0, 5.0, 3).robot.tolist() == [1, 2]
     assert moved(team, 5.0, 6.0, 3).robot.tolist() == [0, 1, 2]
     assert not moved(team, 1.0, 2.0, 3).distance[2]
+
+
+def test_nothing_is_known_of_the_motion_of_a_robot_without_any_command():
+    assert moved(carried([(0.0, 0.1, 0.0)], []), 1.0, 2.0, 2).robot.tolist() == [0]
 
 
 def test_bounds_that_are_none_are_refused():

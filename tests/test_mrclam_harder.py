@@ -1,6 +1,7 @@
 """A run made harder is what it says, and nothing else; the sweep over them counts as the experiment does."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,6 +41,13 @@ def test_the_defaults_leave_a_run_as_it_is(tables):
     for robot in ROBOTS:
         for name in ("commands", "measurements", "truth"):
             np.testing.assert_allclose(getattr(same.logs[robot], name), getattr(tables.logs[robot], name), rtol=0, atol=1e-6)
+
+
+def test_a_range_that_cannot_be_is_still_dropped(tables):
+    measurements = tables.logs[1].measurements.copy()
+    measurements[3, 2] = -0.5
+    wrong = replace(tables, logs=tables.logs | {1: replace(tables.logs[1], measurements=measurements)})
+    assert run_of(harder(wrong, errors=1.5, ranges=1.1)).dropped.impossible == 1
 
 
 def test_errors_around_the_truth_are_larger_and_those_of_confused_barcodes_are_not(tables):

@@ -250,3 +250,12 @@ def test_bad_input_is_refused(wrong, error):
 
 def begun(robust):
     return robust.start(0.0, [Polygon.box([0, 0], [1, 1])] * 2)
+
+
+@pytest.mark.parametrize("where", ["arena", "landmark", "start"])
+def test_places_that_are_too_far_from_the_origin_are_refused(where):
+    far, near = np.array([5e5, 5.4e6]), np.zeros(2)
+    arena = [*far, [-10.0] * 2, [10.0] * 2] if where == "arena" else np.array([[-np.inf] * 2, [np.inf] * 2])
+    mark, place = (far if where == name else near for name in ("landmark", "start"))
+    with pytest.raises(InvalidInput, match="subtract"):
+        RobustFilter(Team(1, [[*mark, 3.0, 0.0]], arena=arena)).start(0.0, [Polygon.box(place - 1, place + 1)])

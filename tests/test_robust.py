@@ -255,7 +255,7 @@ def begun(robust):
 @pytest.mark.parametrize("where", ["arena", "landmark", "start"])
 def test_places_that_are_too_far_from_the_origin_are_refused(where):
     far, near = np.array([5e5, 5.4e6]), np.zeros(2)
-    arena = [*far, [-10.0] * 2, [10.0] * 2] if where == "arena" else np.array([[-np.inf] * 2, [np.inf] * 2])
+    arena = np.array([far - 10, far + 10]) if where == "arena" else np.array([[-np.inf] * 2, [np.inf] * 2])
     mark, place = (far if where == name else near for name in ("landmark", "start"))
     with pytest.raises(InvalidInput, match="subtract"):
-        RobustFilter(Team(1, [[*mark, 3.0, 0.0]], arena=arena)).start(0.0, [Polygon.box(place - 1, place + 1)])
+        RobustFilter(Team(1, [mark + 3], arena=arena)).start(0.0, [Polygon.box(place - 1, place + 1)])

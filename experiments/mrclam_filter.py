@@ -70,13 +70,15 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
     for frame in scenario.frames:
         begin = perf_counter()
         told = carried.frame(frame)
-        belief = robust.update(robust.predict(belief, told.time, told.odometry), told.measurements)
-        rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
-        resets = sum(isinstance(event, Restarted) for event in belief.events)
-        doubted = [event for event in belief.events if isinstance(event, Distrusted | Turned) and event.aside]
+        moved = robust.predict(belief, told.time, told.odometry)
+        belief = robust.update(moved, told.measurements)
+        events = (*moved.events, *belief.events)
+        rejected = tuple(event.source for event in events if isinstance(event, Rejected))
+        resets = sum(isinstance(event, Restarted) for event in events)
+        doubted = [event for event in events if isinstance(event, Distrusted | Turned) and event.aside]
         located = Within(belief.regions, belief.headings.turned(0.0, carried.bounds.jitter))
         seconds = perf_counter() - begin
-        words = tuple(map(str, belief.events))
+        words = tuple(map(str, events))
         aside = tuple(named(event, scenario.team) for event in doubted)
         silent = ~np.isin(np.arange(scenario.team.robots), [] if told.odometry is None else told.odometry.robot)
         yield Followed(frame, located, ~belief.in_force, silent, rejected, resets, aside, words, seconds)

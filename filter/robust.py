@@ -16,12 +16,12 @@ from filter.hypotheses import Hypotheses, reach_of
 from filter.measurements import Measurement, Odometry
 from filter.merging import Merging
 from filter.polygon import Polygon
-from filter.robust_belief import RobustBelief
+from filter.robust_belief import Restarted, RobustBelief, RobustEvent
 from filter.sightings import FARTHEST, Sightings
 from filter.slices import move, stay_within
 from filter.team import Team
 from filter.trust import Suspicion, Trust
-from filter.voting import Rules, Votes
+from filter.voting import Poll, Rules, Votes
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,8 @@ class RobustFilter:
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time, after the robots have moved.
 
-        A robot that the odometry does not name can have moved within the team's limits.
+        A robot that the odometry does not name can have moved within the team's limits. One that can be nowhere in the arena
+        starts over from anywhere in it, with an event: a bound was broken before.
 
         Raises:
             OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
@@ -92,15 +93,33 @@ class RobustFilter:
         for robot in np.flatnonzero(belief.offsets.suspected).tolist():  # its slices are of the camera's heading
             distance, turn, aside = moves[robot]
             moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
-        sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
-        return replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
+        moved = [self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True)]
+        sets = tuple(before if known is None else known for known, before in zip(moved, belief.sets, strict=True))
+        after = replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
+        return self._started_over(after, [robot for robot, known in enumerate(moved) if known is None])
 
-    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
+    def _started_over(self, belief: RobustBelief, lost: Sequence[int]) -> RobustBelief:
+        """Return the belief with robots started over that nothing in the arena was left of: a bound was broken before."""
+        if not lost:
+            return belief
+        poll = Poll(belief.sets, belief.votes, belief.time, self.rules, self.cells)
+        doubtful, suspended, disputed = (t.copy() for t in (belief.doubtful_since, belief.suspended, belief.disputed))
+        events: list[RobustEvent] = []
+        for robot in lost:
+            since = min(float(doubtful[robot]), belief.time)
+            poll.restart(robot, Hypotheses.agreed(self.arena))
+            events.append(Restarted(belief.time, robot, since, "as odometry says, it has left the arena"))
+            doubtful[robot], suspended[robot], disputed[robot] = np.inf, belief.time, belief.time
+        after = replace(belief, sets=tuple(poll.sets), votes=poll.votes, events=tuple(events))
+        return replace(after, doubtful_since=doubtful, suspended=suspended, disputed=disputed)
+
+    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses | None:
+        """Return where a robot can be after a move, None if it is nowhere in the arena."""
         low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
         move(low, high, reach, distance, turn, aside)
         left = stay_within(reach, self.arena)
-        if not left.any():  # the belief was wrong before; what follows will tell
-            left, reach = np.ones(len(low), dtype=bool), np.tile(self.arena, (len(low), 1))
+        if not left.any():
+            return None
         moved = Hypotheses(known.without, low, high, reach)
         moved = moved if left.all() else moved.select(left)
         return moved.cut_anew(self.cells) if moved.stretched(self.cells) else moved

@@ -259,3 +259,16 @@ def test_places_that_are_too_far_from_the_origin_are_refused(where):
     mark, place = (far if where == name else near for name in ("landmark", "start"))
     with pytest.raises(InvalidInput, match="subtract"):
         RobustFilter(Team(1, [mark + 3], arena=arena)).start(0.0, [Polygon.box(place - 1, place + 1)])
+
+
+def test_a_robot_that_has_left_the_arena_starts_over_and_it_is_told():
+    robust = RobustFilter(Team(1, np.zeros((0, 2)), arena=np.array([[-2.0, -2.0], [2.0, 2.0]])))
+    before = robust.start(0.0, [Polygon.box([1.0, -0.1], [1.2, 0.1])], AngularIntervals([0.0], [0.1]))
+    after = robust.predict(before, 1.0, Odometry(0.0, 1.0, 0, 3.0, 0.01, 0.0, 0.01, 0.01, 0.001))
+    assert [type(event) for event in after.events] == [Restarted]
+    assert after.suspended[0] == 1.0
+    assert after.headings.bound[0] == pytest.approx(np.pi)
+    corners = np.array([[-1.99, -1.99], [1.99, 1.99], [-1.99, 1.99]])
+    assert all(after.regions[0].outer.contains(corner) for corner in corners)
+    assert before.events == ()
+    assert not np.isfinite(before.suspended[0])

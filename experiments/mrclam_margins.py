@@ -84,7 +84,8 @@ def run(options: Options) -> int:
     unknown = [name for name in names if name not in HARDER]
     if unknown or len(set(names)) < len(names):
         raise InvalidInput(f"different changes among {', '.join(HARDER)}", repr(options.changes))
-    read_tables(options.data)
+    if not any(len(log.truth) for log in read_tables(options.data).logs.values()):
+        raise InvalidInput("a run whose truth is known", "no file of truth")
     folder, found = output_folder(options.out), dict[str, Mapping[str, Value]]()
     with executor(options.workers) as pool, Counting(len(names), "runs") as progress:
         running = {pool.submit(judged, options, name): name for name in names}

@@ -125,10 +125,7 @@ class Merging:
         self._events.append(Rejected(source, (Source("region", source.time, source.robot), source)))
 
     def _source(self, robot: int, column: int) -> Source:
-        time = self._before.time
-        if column >= self._bodies:
-            return Source("sighting", time, column - self._bodies, robot)
-        return Source("compass", time, robot) if column == robot else Source("sighting", time, robot, column)
+        return self._before.votes.source(self._before.time, robot, column)
 
     def ended(self, sightings: Sightings, suspicion: Suspicion, alignment: Alignment) -> RobustBelief:
         """Return the new belief: sensors are judged by the sightings, and those that were lost or misled start over."""

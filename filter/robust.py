@@ -13,15 +13,16 @@ from filter.angles import AngularIntervals
 from filter.arrays import Array, number, whole
 from filter.errors import InvalidInput
 from filter.hypotheses import Hypotheses, reach_of
+from filter.leaving import without_those_who_left
 from filter.measurements import Measurement, Odometry
 from filter.merging import Merging
 from filter.polygon import Polygon
-from filter.robust_belief import Restarted, RobustBelief, RobustEvent
+from filter.robust_belief import RobustBelief
 from filter.sightings import FARTHEST, Sightings
 from filter.slices import move, stay_within
 from filter.team import Team
 from filter.trust import Suspicion, Trust
-from filter.voting import Poll, Rules, Votes
+from filter.voting import Rules, Votes
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +80,8 @@ class RobustFilter:
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time, after the robots have moved.
 
-        A robot that the odometry does not name can have moved within the team's limits. One that can be nowhere in the arena
-        starts over from anywhere in it, with an event: a bound was broken before.
+        A robot that the odometry does not name can have moved within the team's limits. What would be outside the arena is left
+        out; if that shows that a bound was broken before, there is an event.
 
         Raises:
             OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
@@ -93,36 +94,18 @@ class RobustFilter:
         for robot in np.flatnonzero(belief.offsets.suspected).tolist():  # its slices are of the camera's heading
             distance, turn, aside = moves[robot]
             moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
-        moved = [self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True)]
-        sets = tuple(before if known is None else known for known, before in zip(moved, belief.sets, strict=True))
+        sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
         after = replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
-        return self._started_over(after, [robot for robot, known in enumerate(moved) if known is None])
+        return without_those_who_left(after, self.rules, self.cells, self.arena)
 
-    def _started_over(self, belief: RobustBelief, lost: Sequence[int]) -> RobustBelief:
-        """Return the belief with robots started over that nothing in the arena was left of: a bound was broken before."""
-        if not lost:
-            return belief
-        poll = Poll(belief.sets, belief.votes, belief.time, self.rules, self.cells)
-        doubtful, suspended, disputed = (t.copy() for t in (belief.doubtful_since, belief.suspended, belief.disputed))
-        events: list[RobustEvent] = []
-        for robot in lost:
-            since = min(float(doubtful[robot]), belief.time)
-            poll.restart(robot, Hypotheses.agreed(self.arena))
-            events.append(Restarted(belief.time, robot, since, "as odometry says, it has left the arena"))
-            doubtful[robot], suspended[robot], disputed[robot] = np.inf, belief.time, belief.time
-        after = replace(belief, sets=tuple(poll.sets), votes=poll.votes, events=tuple(events))
-        return replace(after, doubtful_since=doubtful, suspended=suspended, disputed=disputed)
-
-    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses | None:
-        """Return where a robot can be after a move, None if it is nowhere in the arena."""
+    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
+        """Return where in the arena a robot can be after a move; nothing is left if a bound was broken before."""
         low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
         move(low, high, reach, distance, turn, aside)
         left = stay_within(reach, self.arena)
-        if not left.any():
-            return None
         moved = Hypotheses(known.without, low, high, reach)
         moved = moved if left.all() else moved.select(left)
-        return moved.cut_anew(self.cells) if moved.stretched(self.cells) else moved
+        return moved.cut_anew(self.cells) if len(moved) and moved.stretched(self.cells) else moved
 
     def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
         """Return the belief after merging measurements taken at its time.

@@ -24,7 +24,7 @@ class Disagreement:
     Attributes:
         time: When [s].
         robot: Whose pose the votes are on.
-        suspects: The last vote, and those without which all others agree.
+        suspects: The last vote, or odometry if it has led out of the arena, and those without which all others agree.
     """
 
     time: float
@@ -133,7 +133,7 @@ class RobustBelief:
         doubtful_since: (n,) since when the guarantee for a robot is suspended [s]; infinite where it is in force.
         suspended: (n,) when it last was [s]; -inf for never.
         disputed: (n,) when votes on a robot were last rejected, disagreed, or were forgotten [s]; -inf for never.
-        events: What happened in the last update.
+        events: What happened in the last prediction or update.
     """
 
     time: float

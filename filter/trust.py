@@ -40,7 +40,7 @@ class Suspicion:
         for name in ("memory", "repeat", "strikes", "mercy"):
             if number(name, getattr(self, name), 0) == 0:
                 raise InvalidInput(f"{name}: above 0", 0)
-        number("share", self.share, 0, 1)
+        number("share", self.share, np.nextafter(0, 1), np.nextafter(1, 0))
 
 
 @dataclass(frozen=True, eq=False)

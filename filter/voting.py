@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from filter.arrays import Array, Mask, number, read_only, whole
+from filter.belief import Source
 from filter.errors import InvalidInput
 from filter.hypotheses import AGREED, EARLIER, Cut, Hypotheses
 
@@ -68,6 +69,13 @@ class Votes:
         for column in fields(self):
             object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
+    def source(self, time: float, robot: int, column: int) -> Source:
+        """Return what a vote on a robot at a time [s] was."""
+        bodies = self.opened.shape[1] - len(self.opened)
+        if column >= bodies:
+            return Source("sighting", time, column - bodies, robot)
+        return Source("compass", time, robot) if column == robot else Source("sighting", time, robot, column)
+
     @classmethod
     def none(cls, robots: int, bodies: int, time: float) -> Votes:
         """Return no votes yet."""
@@ -103,7 +111,7 @@ class Poll:
             if closed.any():
                 self.sets[robot] = self.sets[robot].renamed(EARLIER, closed).cut_anew(self._cells)
         if time - self._renewed[robot] >= rules.window:
-            self._renew(robot, self.sets[robot])
+            self.renew(robot, self.sets[robot])
 
     def cast(self, robot: int, column: int, cut: Cut, whoever: bool = False) -> Verdict:
         """Merge a vote on a robot; return what came of it.
@@ -131,7 +139,7 @@ class Poll:
         if (merged.without == AGREED).any():
             self.sets[robot] = merged
             return "agreed"
-        self._renew(robot, merged)
+        self.renew(robot, merged)
         return "contradicted"
 
     def agrees(self, robot: int, cut: Cut) -> bool:
@@ -141,11 +149,11 @@ class Poll:
 
     def restart(self, robot: int, anywhere: Hypotheses) -> None:
         """Forget all that is known of a robot, and all votes on it."""
-        self._renew(robot, anywhere)
+        self.renew(robot, anywhere)
         self._accepted[robot] = self._rejected[robot] = self._believed[robot] = -np.inf
 
-    def _renew(self, robot: int, known: Hypotheses) -> None:
-        """Begin a new window: all that is possible is agreed on."""
+    def renew(self, robot: int, known: Hypotheses) -> None:
+        """Begin a new window: all that is known to be possible is agreed on."""
         self.sets[robot] = known.renamed(AGREED).cut_anew(self._cells)
         self._opened[robot] = -np.inf
         self._renewed[robot] = self.time

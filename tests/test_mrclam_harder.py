@@ -1,6 +1,7 @@
 """A run made harder is what it says, and nothing else; the sweep over them counts as the experiment does."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -118,6 +119,16 @@ def test_the_sweep_says_of_the_run_as_it_is_what_the_experiment_says(folder, tmp
 def test_bad_input_ends_with_two(folder, tmp_path, options, capsys):
     assert main(["--data", str(folder), *options.split(), "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err
+
+
+def test_a_run_without_truth_cannot_be_judged(folder, tmp_path, capsys):
+    blind = tmp_path / "blind"
+    shutil.copytree(folder, blind)
+    for path in blind.glob("*Groundtruth.dat"):
+        if path.name.startswith("Robot"):
+            path.unlink()
+    assert main(["--data", str(blind), "--out", str(tmp_path / "out")]) == 2
+    assert "truth" in capsys.readouterr().err
 
 
 def test_every_way_is_a_change(tables):

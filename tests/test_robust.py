@@ -272,3 +272,22 @@ def test_a_robot_that_has_left_the_arena_starts_over_and_it_is_told():
     assert all(after.regions[0].outer.contains(corner) for corner in corners)
     assert before.events == ()
     assert not np.isfinite(before.suspended[0])
+
+
+def test_a_vote_that_leads_out_of_the_arena_is_told_and_the_next_right_one_is_not_charged():
+    """The robot drives from 3.2 m to 3.7 m; a wrong sighting, which is tolerated, has it at 4.9 m. The arena ends at 5 m."""
+    marks = np.array([[4.0, 0.0], [0.0, 4.0]])
+    robust = RobustFilter(Team(1, marks, arena=np.array([[-5.0, -5.0], [5.0, 5.0]])))
+    belief = robust.start(0.0, [Polygon.box([3.0, -0.1], [5.0, 0.1])], AngularIntervals([0.0], [0.05]))
+    belief = robust.update(belief, [Bearing(0.0, 0, 1, np.pi, 0.05), Range(0.0, 0, 1, 0.9, 0.05, 0.0)])
+    assert belief.events == ()
+    belief = robust.predict(belief, 1.0, Odometry(0.0, 1.0, 0, 0.5, 0.01, 0.0, 0.01, 0.01, 0.001))
+    assert [(event.robot, [source.kind for source in event.suspects]) for event in belief.events] == [
+        (0, ["sighting", "odometry"])
+    ]
+    assert belief.disputed[0] == 1.0
+    away = marks[1] - [3.7, 0.0]
+    bearing, distance = np.arctan2(away[1], away[0]), np.hypot(*away)
+    belief = robust.update(belief, [Bearing(1.0, 0, 2, bearing, 0.05), Range(1.0, 0, 2, distance, 0.05, 0.0)])
+    assert belief.events == ()
+    assert belief.regions[0].outer.contains([3.7, 0.0])

@@ -71,7 +71,7 @@ def test_a_charge_is_as_old_as_the_first_contradiction_since_one_that_agreed():
     assert trust.charges("camera", 0) == (np.inf, ())
 
 
-@pytest.mark.parametrize("wrong", [{"memory": 0.0}, {"strikes": -1.0}, {"share": 2.0}])
+@pytest.mark.parametrize("wrong", [{"memory": 0.0}, {"strikes": -1.0}, {"share": 2.0}, {"share": 0.0}, {"share": 1.0}])
 def test_a_suspicion_out_of_range_is_refused(wrong):
     with pytest.raises(InvalidInput):
         Suspicion(**wrong)

@@ -56,7 +56,8 @@ class Options:
     duration: float | None = None
     """How long at most [s]; to the end if not given."""
     fault: str = "none"
-    """Put a fault into a copy of the data: silent, biased, biased_right, swapped, exchanged, duplicated or shifted."""
+    """Put a fault into a copy of the data: silent, biased, biased_right, swapped, exchanged, duplicated, shifted,
+    or shifted_camera."""
     fault_robot: int = 1
     """Whose fault it is, by its number in the files."""
     seed: int = 0

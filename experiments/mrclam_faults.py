@@ -66,14 +66,16 @@ def duplicated(tables: Tables, robot: int) -> Tables:
 def shifted(tables: Tables, robot: int, by: float = 0.5) -> Tables:
     """Return the tables with the robot's clock wrong by so much [s]: all its stamps are late. The truth keeps its clock."""
     log = tables.logs[robot]
-
-    def late(table: Array) -> Array:
-        return np.column_stack([table[:, 0] + by, table[:, 1:]])
-
-    return _with(tables, robot, replace(log, commands=late(log.commands), measurements=late(log.measurements)))
+    return _with(tables, robot, replace(log, commands=_late(log.commands, by), measurements=_late(log.measurements, by)))
 
 
-EVERY = (silent, biased, biased_right, swapped, exchanged, duplicated, shifted)
+def shifted_camera(tables: Tables, robot: int, by: float = 0.5) -> Tables:
+    """Return the tables with the clock of the robot's camera wrong by so much [s], and that of its commands right."""
+    log = tables.logs[robot]
+    return _with(tables, robot, replace(log, measurements=_late(log.measurements, by)))
+
+
+EVERY = (silent, biased, biased_right, swapped, exchanged, duplicated, shifted, shifted_camera)
 FAULTS: Mapping[str, Fault] = {fault.__name__: fault for fault in EVERY}
 BEGINS = {"silent": 300.0, "biased": 300.0, "biased_right": 300.0, "exchanged": 300.0}  # the others are there all along [s]
 
@@ -102,6 +104,10 @@ def _exchanged(log: RobotLog, one: int, other: int, start: float) -> RobotLog:
     late, barcode = measurements[:, 0] >= start, log.measurements[:, 1]
     measurements[late & (barcode == one), 1], measurements[late & (barcode == other), 1] = other, one
     return replace(log, measurements=measurements)
+
+
+def _late(table: Array, by: float) -> Array:
+    return np.column_stack([table[:, 0] + by, table[:, 1:]])
 
 
 def _begin(tables: Tables) -> float:

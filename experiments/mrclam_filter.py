@@ -19,7 +19,7 @@ from filter.errors import Inconsistent
 from filter.polygon import Polygon
 from filter.region import Region
 from filter.robust import RobustFilter
-from filter.robust_belief import Distrusted, Restarted, Turned
+from filter.robust_belief import Distrusted, Late, Restarted, Turned
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.frame import Frame
@@ -75,7 +75,7 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
         events = (*moved.events, *belief.events)
         rejected = tuple(event.source for event in events if isinstance(event, Rejected))
         resets = sum(isinstance(event, Restarted) for event in events)
-        doubted = [event for event in events if isinstance(event, Distrusted | Turned) and event.aside]
+        doubted = [event for event in events if isinstance(event, Distrusted | Turned | Late) and event.aside]
         located = Within(belief.regions, belief.headings.turned(0.0, carried.bounds.jitter))
         seconds = perf_counter() - begin
         words = tuple(map(str, events))
@@ -84,9 +84,9 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
         yield Followed(frame, located, ~belief.in_force, silent, rejected, resets, aside, words, seconds)
 
 
-def named(event: Distrusted | Turned, team: Team) -> str:
+def named(event: Distrusted | Turned | Late, team: Team) -> str:
     """Return the name of the sensor that an event is about."""
-    sensor, body = ("camera", event.robot) if isinstance(event, Turned) else (event.sensor, event.body)
+    sensor, body = (event.sensor, event.body) if isinstance(event, Distrusted) else ("camera", event.robot)
     return f"{sensor} of {team.name(body)}"
 
 

@@ -31,7 +31,13 @@ from experiments.terminal import Counting
 from filter.arrays import Integers, Mask, whole
 from filter.errors import InvalidInput
 
-NAMES = {"biased": ("camera",), "biased_right": ("camera",), "swapped": ("identity",) * 2, "exchanged": ("identity",) * 2}
+NAMES = {
+    "biased": ("camera",),
+    "biased_right": ("camera",),
+    "shifted_camera": ("camera",),
+    "swapped": ("identity",) * 2,
+    "exchanged": ("identity",) * 2,
+}
 
 
 @dataclass(frozen=True)
@@ -44,7 +50,7 @@ class Options:
 
     data: Path
     """Folder of a run, as MRCLAM_Dataset6."""
-    faults: str = "none,silent,biased,biased_right,swapped,exchanged,duplicated,shifted"
+    faults: str = "none,silent,biased,biased_right,swapped,exchanged,duplicated,shifted,shifted_camera"
     """Which faults, with commas; none is the run as it is."""
     fault_robots: str = "1,2,3,4,5"
     """Whose, by their numbers in the files."""

@@ -3,7 +3,8 @@
 Read the modules in this order: errors, arrays, compiled, angles, plane, polygon, polygons, constraints, lp, scaling, solvers,
 polytope, reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, budget,
 projector, window, windowed, outlines, windows, region, belief, headings, boxes, corners, regions, pairs, rejection,
-set_membership; slices, sightings, hypotheses, cuts, voting, trust, alignment, robust_belief, merging, robust, lag.
+set_membership; slices, sightings, hypotheses, cuts, voting, trust, alignment, estimating, robust_belief, leaving, merging,
+robust, lag.
 """
 
 from filter.alignment import Alignment
@@ -17,7 +18,7 @@ from filter.polygon import Polygon
 from filter.projection import Stop
 from filter.region import Region, Regions
 from filter.robust import RobustFilter
-from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief, Turned
+from filter.robust_belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, Turned
 from filter.set_membership import SetMembershipFilter
 from filter.team import Team
 from filter.trust import Suspicion
@@ -40,6 +41,7 @@ __all__ = [
     "Inconsistent",
     "InvalidInput",
     "Lagged",
+    "Late",
     "Measurement",
     "Odometry",
     "OutOfOrder",

@@ -14,12 +14,13 @@ from functools import partial
 
 import numpy as np
 
-from filter.alignment import Alignment, Estimating, Offsets
+from filter.alignment import Alignment, Offsets
 from filter.arrays import Array, Mask
 from filter.belief import Rejected, Source
 from filter.cuts import narrowed, seeing_any, seeing_body, seeing_place, within
+from filter.estimating import Estimating
 from filter.hypotheses import Cut, Hypotheses
-from filter.robust_belief import Disagreement, Distrusted, Restarted, RobustBelief, RobustEvent, Turned
+from filter.robust_belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.sightings import Sightings
 from filter.slices import COUNT, seen_from
 from filter.team import Team
@@ -48,6 +49,8 @@ class Merging:
                 if self._before.offsets.suspected[robot]:
                     continue  # its slices are of the camera's heading, of which a compass says nothing
                 self._cast(robot, target, partial(narrowed, sector))
+            elif self._before.offsets.late[robot]:
+                continue
             elif target >= self._team.robots:
                 self._landmark(robot, target, sector)
             else:
@@ -131,12 +134,16 @@ class Merging:
         """Return the new belief: sensors are judged by the sightings, and those that were lost or misled start over."""
         before, offsets = self._before, self._estimated(sightings, alignment)
         trust = before.trust.judged(before.time, self._judged, suspicion)
-        misled, turned = self._put_aside(trust, "camera") | self._put_aside(trust, "identity"), self._turned(offsets)
+        misled = self._put_aside(trust, "camera") | self._put_aside(trust, "identity")
+        turned, late = self._turned(offsets), self._late(offsets)
+        for robot in np.flatnonzero(late).tolist():
+            misled |= self._misled("camera", "robot", robot, before.time) & ~late
         doubtful = np.array([self._doubtful_since(robot) for robot in range(self._team.robots)])
         doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until), doubtful)
+        doubtful = np.where(late, np.minimum(doubtful, offsets.late_since - alignment.delay), doubtful)
         suspended = np.where(np.isfinite(doubtful), before.time, before.suspended)
         for robot in range(self._team.robots):
-            because = self._because(robot, bool(misled[robot]), bool(turned[robot]))
+            because = self._because(robot, bool(misled[robot]), bool(turned[robot]), bool(late[robot]))
             if because:
                 self._restart(robot, min(float(doubtful[robot]), before.time), because)
                 doubtful[robot], suspended[robot] = np.inf, before.time
@@ -157,19 +164,34 @@ class Merging:
             return np.inf
         return min(float(self._before.doubtful_since[robot]), self._poll.first_rejected(robot))
 
-    def _because(self, robot: int, misled: bool, turned: bool) -> str:
+    def _because(self, robot: int, misled: bool, turned: bool, late: bool) -> str:
         """Return why a robot starts over, or nothing."""
         if self._poll.lost(robot):
             return "it is lost"
-        return "it was misled" if misled else "its camera is suspected to be turned" if turned else ""
+        reasons = {
+            "it was misled": misled,
+            "its camera is suspected to be turned": turned,
+            "its camera is suspected to be late": late,
+        }
+        return next((reason for reason, holds in reasons.items() if holds), "")
 
     def _turned(self, now: Offsets) -> Mask:
         """Note which cameras are suspected to be turned, or no longer; return (n,) those that newly are."""
         before = self._before.offsets.suspected
         for robot in np.flatnonzero(before != now.suspected).tolist():
-            offset, deviation, since = (float(column[robot]) for column in (now.offset, now.deviation, now.good_until))
-            self._events.append(Turned(self._before.time, robot, bool(now.suspected[robot]), offset, deviation, since))
+            offset, deviation, since = now.offset[robot], now.deviations[robot, 0], now.good_until[robot]
+            self._events.append(
+                Turned(self._before.time, robot, bool(now.suspected[robot]), *map(float, (offset, deviation, since)))
+            )
         return now.suspected & ~before
+
+    def _late(self, now: Offsets) -> Mask:
+        """Note which cameras are suspected to be late, or no longer; return (n,) those that newly are."""
+        before = self._before.offsets.late
+        for robot in np.flatnonzero(before != now.late).tolist():
+            delay, deviation = float(now.delay[robot]), float(now.deviations[robot, 1])
+            self._events.append(Late(self._before.time, robot, bool(now.late[robot]), delay, deviation))
+        return now.late & ~before
 
     def _put_aside(self, trust: Trust, sensor: str) -> Mask:
         """Note which cameras or identities are put aside or trusted again; return (n,) who has believed one put aside."""

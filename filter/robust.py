@@ -8,10 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.alignment import Alignment, Estimating, Offsets
+from filter.alignment import Alignment, Offsets
 from filter.angles import AngularIntervals
 from filter.arrays import Array, number, whole
 from filter.errors import InvalidInput
+from filter.estimating import Estimating
 from filter.hypotheses import Hypotheses, reach_of
 from filter.leaving import without_those_who_left
 from filter.measurements import Measurement, Odometry

@@ -117,7 +117,35 @@ class Turned:
         return f"camera of robot {self.robot} suspected to be turned since {self.since:.0f} s: {told}; its heading can be any"
 
 
-RobustEvent = Rejected | Disagreement | Restarted | Distrusted | Turned
+@dataclass(frozen=True)
+class Late:
+    """A camera's clock is suspected to be wrong against that of its robot's commands; or it is trusted again.
+
+    **This is statistical evidence, no proof.** As long as it lasts, nothing that the camera says is merged; the robot starts
+    over at first.
+
+    Attributes:
+        time: When [s].
+        robot: Whose camera.
+        aside: True when it is suspected, False when it is trusted again.
+        delay: How much later than commands its pictures are stamped, besides what is declared, by estimate [s].
+        deviation: Of the estimate [s].
+    """
+
+    time: float
+    robot: int
+    aside: bool
+    delay: float
+    deviation: float
+
+    def __str__(self) -> str:
+        judged = "suspected to be late" if self.aside else "trusted again"
+        by = f"{self.delay:+.2f} +- {self.deviation:.2f} s"
+        told = f"as robot {self.robot} turns, its pictures are stamped late by {by} (evidence, no proof)"
+        return f"camera of robot {self.robot} {judged} at {self.time:.3f} s: {told}"
+
+
+RobustEvent = Rejected | Disagreement | Restarted | Distrusted | Turned | Late
 
 
 @dataclass(frozen=True, eq=False)

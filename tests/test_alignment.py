@@ -7,11 +7,12 @@ import pytest
 from test_robust import started, world_of
 
 from filter.alignment import Alignment
+from filter.angles import wrap
 from filter.errors import InvalidInput
 from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.polygon import Polygon
 from filter.robust import RobustFilter
-from filter.robust_belief import Restarted, Turned
+from filter.robust_belief import Late, Restarted, Turned
 from filter.team import Team
 
 GUILTY = 1
@@ -116,7 +117,7 @@ def test_a_robot_that_is_bumped_has_a_good_camera(by):
 def test_the_estimate_begins_where_little_is_known_and_finds_the_offset():
     world = world_of(4)
     beliefs = list(touring(world, 150, np.radians(8), known="arena"))
-    offset, deviation = beliefs[-1].offsets.offset, beliefs[-1].offsets.deviation
+    offset, deviation = beliefs[-1].offsets.offset, beliefs[-1].offsets.deviations[:, 0]
     assert beliefs[-1].offsets.running.all()
     assert (np.abs(offset - np.radians(8) * (np.arange(3) == GUILTY)) < 3 * deviation).all()
     assert (deviation < np.radians(3)).all()
@@ -146,7 +147,7 @@ def test_a_compass_does_no_harm_while_a_camera_is_suspected(compass):
     robust = RobustFilter(Team(1, marks, arena=np.array([[-5.0, -5.0], [5.0, 5.0]])))
     belief = robust.start(0.0, [Polygon.box([-5, -5], [5, 5])])
     mean, covariance = belief.offsets.mean.copy(), belief.offsets.covariance.copy()
-    mean[0, 3], covariance[0] = off, np.diag([0.01, 0.01, 0.001, 0.001])
+    mean[0, 3], covariance[0] = off, np.diag([0.01, 0.01, 0.001, 0.001, 0.001])
     said = {"running": np.array([True]), "suspected": np.array([True]), "allowed": np.array([0.1])}
     belief = replace(belief, offsets=replace(belief.offsets, mean=mean, covariance=covariance, **said))
     for k in range(1, 60):
@@ -156,3 +157,74 @@ def test_a_compass_does_no_harm_while_a_camera_is_suspected(compass):
         belief = robust.update(belief, [*records, *([Compass(time, 0, 0.0, 0.05)] if compass else [])])
         assert belief.regions[0].outer.contains([0.0, 0.0])
     assert belief.offsets.suspected[0]
+
+
+def later(records, before, time):
+    """Return records with those of one robot's camera as they were some steps before, with the time of now."""
+    others, own = ([r for r in each if isinstance(r, Bearing | Range)] for each in (records, before))
+    chosen = [(r, r.robot != GUILTY) for r in others] + [(r, r.robot == GUILTY) for r in own]
+    return [part(r, mask, time) for r, mask in chosen]
+
+
+def part(record, mask, time):
+    columns = {name: column[mask] for name, column in vars(record).items() if isinstance(column, np.ndarray)}
+    return replace(record, **columns, time=time)
+
+
+def late_touring(world, count, during, step=0.2, steps=3):
+    """Yield the belief at each of many steps; one camera's clock is late by some of them for a while. Turns last 2 s."""
+    robust, seen, path = RobustFilter(world.team), [], np.full(3, 0.15 * step)
+    belief = started(robust, world, "pose")
+    for k in range(count):
+        if k % 10 == 0:
+            away = world.size / 2 - world.positions
+            home = np.clip(wrap(np.arctan2(away[:, 1], away[:, 0]) - world.headings) / 2, -0.6, 0.6)
+            rate = np.where(np.hypot(*away.T) > world.size / 2, home, world.rng.uniform(-0.6, 0.6, 3))
+        belief = robust.predict(belief, world.time + step, world.drive(path, step * rate, step))
+        seen.append(world.measure(compasses=False))
+        wrong = during[0] + steps <= k < during[1]
+        belief = robust.update(belief, later(seen[-1], seen[-1 - steps], world.time) if wrong else seen[-1])
+        yield belief
+
+
+def told(beliefs):
+    return [event for belief in beliefs for event in belief.events if isinstance(event, Late)]
+
+
+@pytest.mark.parametrize("begins", [0, 100])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
+    world, beliefs = world_of(seed), []
+    for belief in late_touring(world, begins + 300, (begins, np.inf)):
+        beliefs.append(belief)
+        places, headings = inside(belief, world)
+        if len(beliefs) <= begins or belief.offsets.late[GUILTY]:
+            assert places.all()
+            assert headings.all()
+    (event,) = told(beliefs)
+    assert (event.robot, event.aside) == (GUILTY, True)
+    assert 0.2 < event.delay < 0.9  # it is told once it is sure that it is not 0.2 s or less
+    assert beliefs[-1].offsets.delay[GUILTY] == pytest.approx(0.6, abs=0.2)
+    assert "camera of robot 1 suspected to be late" in str(event)
+    assert "no proof" in str(event)
+    (restart,) = [
+        each for belief in beliefs for each in belief.events if isinstance(each, Restarted) and "late" in each.because
+    ]
+    assert restart.robot == GUILTY
+    assert restart.doubtful_since <= 0.2 * begins
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_camera_that_is_on_time_is_never_late(seed):
+    world = world_of(seed, errors="extreme")
+    for belief in late_touring(world, 400, (np.inf, np.inf)):
+        assert told([belief]) == []
+    assert np.abs(belief.offsets.delay).max() < 0.1
+
+
+def test_a_camera_whose_clock_is_set_right_is_trusted_again():
+    world = world_of(3)
+    beliefs = list(late_touring(world, 900, (0, 250)))
+    assert [event.aside for event in told(beliefs)] == [True, False]
+    places, headings = inside(beliefs[-1], world)
+    assert (places & headings).all()

@@ -44,7 +44,7 @@ COMPILED = (
     "boxes",
     "corners",
     "slices",
-    "alignment",
+    "estimating",
 )
 AND = {
     "compiled": {"numba", "hashlib", "pathlib"},
@@ -98,7 +98,9 @@ ORDER = [
     "voting",
     "trust",
     "alignment",
+    "estimating",
     "robust_belief",
+    "leaving",
     "merging",
     "robust",
     "lag",

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,7 +27,7 @@ from experiments.mrclam_harder import HARDER
 from experiments.mrclam_metrics import Tally, summary_of
 from experiments.mrclam_motion import Motions
 from experiments.output import output_folder, write_summary
-from experiments.terminal import Counting
+from experiments.terminal import gathered
 from filter.arrays import whole
 from filter.errors import InvalidInput
 
@@ -86,13 +85,10 @@ def run(options: Options) -> int:
         raise InvalidInput(f"different changes among {', '.join(HARDER)}", repr(options.changes))
     if not any(len(log.truth) for log in read_tables(options.data).logs.values()):
         raise InvalidInput("a run whose truth is known", "no file of truth")
-    folder, found = output_folder(options.out), dict[str, Mapping[str, Value]]()
-    with executor(options.workers) as pool, Counting(len(names), "runs") as progress:
-        running = {pool.submit(judged, options, name): name for name in names}
-        for future in as_completed(running):
-            found[running[future]] = future.result()
-            progress.advance()
-    rows = {name: found[name] for name in names}
+    folder = output_folder(options.out)
+    with executor(options.workers) as pool:
+        found = gathered([pool.submit(judged, options, name) for name in names], "runs")
+    rows = dict(zip(names, found, strict=True))
     write_summary(folder, {f"{name}_{key}": value for name, row in rows.items() for key, value in row.items()})
     show(rows)
     return 0

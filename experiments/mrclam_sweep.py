@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +26,7 @@ from experiments.mrclam_filter import Followed, team_filter
 from experiments.mrclam_frames import frames
 from experiments.mrclam_motion import Motions
 from experiments.output import output_folder, write_summary
-from experiments.terminal import Counting
+from experiments.terminal import gathered
 from filter.arrays import Integers, Mask, whole
 from filter.errors import InvalidInput
 
@@ -106,12 +105,8 @@ def run(options: Options) -> int:
     """
     whole("seed", options.seed)
     every, folder = cases(options), output_folder(options.out)
-    outcomes = []
-    with executor(options.workers) as pool, Counting(len(every), "runs") as progress:
-        for future in as_completed([pool.submit(judged, options, *case) for case in every]):
-            outcomes.append(future.result())
-            progress.advance()
-    outcomes.sort(key=lambda outcome: every.index((outcome.fault, outcome.robot)))
+    with executor(options.workers) as pool:
+        outcomes = gathered([pool.submit(judged, options, *case) for case in every], "runs")
     write_summary(folder, summary_of(outcomes))
     show(outcomes)
     return int(any(outcome.others_in_force for outcome in outcomes))

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, as_completed
 from types import TracebackType
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 from experiments.metrics import Value
+
+Result = TypeVar("Result")
 
 
 def tell(message: str) -> None:
@@ -68,3 +72,12 @@ class Counting:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._progress.stop()
+
+
+def gathered(futures: Sequence[Future[Result]], things: str) -> list[Result]:
+    """Return the results in their order, with a progress bar while they are awaited; raise what the first to fail raised."""
+    with Counting(len(futures), things) as progress:
+        for future in as_completed(futures):
+            future.result()
+            progress.advance()
+    return [future.result() for future in futures]

@@ -1,4 +1,5 @@
 import json
+from concurrent.futures import Future
 from contextlib import contextmanager
 from types import SimpleNamespace
 
@@ -61,10 +62,11 @@ def test_escapes_of_others_in_force_end_with_one(folder, tmp_path, monkeypatch):
 
     @contextmanager
     def pool(_):
-        yield SimpleNamespace(submit=lambda *_: SimpleNamespace(result=lambda: bad))
+        done = Future()
+        done.set_result(bad)
+        yield SimpleNamespace(submit=lambda *_: done)
 
     monkeypatch.setattr(mrclam_sweep, "executor", pool)
-    monkeypatch.setattr(mrclam_sweep, "as_completed", list)
     options = ["--faults", "none", "--fault-robots", "1", "--out", str(tmp_path)]
     assert main(["--data", str(folder), *options]) == 1
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.benchmark_agreement import Agreement, Shares, agreement_of, shares_of
@@ -22,7 +21,7 @@ from experiments.command import command
 from experiments.grids import draw_grid
 from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
-from experiments.terminal import Counting, print_table, tell
+from experiments.terminal import Counting, print_table, show_table, tell
 from experiments.timing import medians
 from filter.arrays import number, whole
 
@@ -143,7 +142,7 @@ def print_ways(times: dict[str, float]) -> None:
         table.add_row(name, f"{1e3 * seconds:.3f}", f"{seconds / times['kernel']:.2f}")
     for column in table.columns[1:]:
         column.justify = "right"
-    Console().print(table)
+    show_table(table)
 
 
 if __name__ == "__main__":

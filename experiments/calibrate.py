@@ -31,7 +31,7 @@ from experiments.mrclam_data import Run, read_run
 from experiments.mrclam_frames import frames
 from experiments.output import output_folder, write_summary
 from experiments.scenarios import from_log
-from experiments.terminal import Counting, print_table
+from experiments.terminal import Counting, print_table, show_table
 from filter.arrays import number
 from filter.errors import InvalidInput
 from filter.team import Team
@@ -163,7 +163,7 @@ def _print_rows(rows: Sequence[dict[str, Value]]) -> None:
     for row in rows:
         angle = str(row["sensor"]).startswith(ANGLES)
         table.add_row(*(_shown(name, value, angle) for name, value in row.items()))
-    Console().print(table)
+    show_table(table)
 
 
 def _shown(name: str, value: Value, angle: bool) -> str:

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from experiments.comparison import BASELINES
 from experiments.comparison_metrics import DIMENSION, Row
 from experiments.metrics import Value, rounded
+from experiments.terminal import show_table
 from sim.errors import ERROR_KINDS
 
 SETS, TUNED_NAME, CONSERVATIVE_NAME = "sets", "EKF, tuned", "EKF, bound = 3 deviations"
@@ -133,7 +133,7 @@ def print_comparison(title: str, summary: Mapping[str, Value]) -> None:
         column.justify = "right"
     for cells in _cells(summary):
         table.add_row(*map(escape, cells))
-    Console(width=132).print(table)
+    show_table(table)
 
 
 def write_markdown(path: Path, summary: Mapping[str, Value]) -> None:

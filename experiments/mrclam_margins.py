@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -27,7 +26,7 @@ from experiments.mrclam_harder import HARDER
 from experiments.mrclam_metrics import Tally, summary_of
 from experiments.mrclam_motion import Motions
 from experiments.output import output_folder, write_summary
-from experiments.terminal import gathered
+from experiments.terminal import gathered, show_table
 from filter.arrays import whole
 from filter.errors import InvalidInput
 
@@ -116,7 +115,7 @@ def show(rows: Mapping[str, Mapping[str, Value]]) -> None:
     table = Table("run", *SHOWN.values(), title="made harder", title_justify="left")
     for name, row in rows.items():
         table.add_row(name, *(_shown(row[key]) for key in SHOWN))
-    Console().print(table)
+    show_table(table)
 
 
 def _shown(value: Value) -> str:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -26,7 +25,7 @@ from experiments.mrclam_filter import Followed, team_filter
 from experiments.mrclam_frames import frames
 from experiments.mrclam_motion import Motions
 from experiments.output import output_folder, write_summary
-from experiments.terminal import gathered
+from experiments.terminal import gathered, show_table
 from filter.arrays import Integers, Mask, whole
 from filter.errors import InvalidInput
 
@@ -194,7 +193,7 @@ def show(outcomes: Sequence[Outcome]) -> None:
     table = Table(*heads, title="Frames with the truth outside, and who was named", title_justify="left", padding=0)
     for outcome in outcomes:
         table.add_row(*(str(value) for value in vars(outcome).values()))
-    Console().print(table)
+    show_table(table)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -25,7 +24,7 @@ from experiments.scaling_figures import draw_scaling
 from experiments.scaling_recording import record_size
 from experiments.scaling_run import measure
 from experiments.scaling_size import LEFT_OUT, RATE, Case, Size
-from experiments.terminal import StepProgress, print_table, tell
+from experiments.terminal import StepProgress, print_table, show_table, tell
 from filter.arrays import whole
 from filter.errors import InvalidInput
 from filter.set_membership import PHASES
@@ -218,7 +217,7 @@ def _print(title: str, columns: Mapping[str, Callable[[Size], str]], sizes: Sequ
         column.justify = "right"
     for size in sizes:
         table.add_row(*(words(size) for words in columns.values()))
-    Console().print(table)
+    show_table(table)
 
 
 def _words(value: float | None, digits: int = 3) -> str:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -23,7 +22,7 @@ from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.search_curves import SEARCHES, Curves, curves_of
 from experiments.search_figures import PROMISES, draw_convergence, draw_searches, draw_worst_case, gaps, ratios
-from experiments.terminal import Counting, print_table
+from experiments.terminal import Counting, print_table, show_table
 from filter.arrays import Array, whole
 from filter.errors import InvalidInput
 
@@ -156,7 +155,7 @@ def print_curves(curves: Sequence[Curves]) -> None:
         table.add_row(str(searches), *(f"{column[searches - SEARCHES[0]]:.3f}" for column in columns))
     for column in table.columns:
         column.justify = "right"
-    Console().print(table)
+    show_table(table)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,6 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -27,7 +26,7 @@ from experiments.output import output_folder, write_summary
 from experiments.range_sector import overestimate
 from experiments.static_figures import EXAMPLES, draw_frames, draw_range_bearing, draw_relative
 from experiments.static_frames import Localized, Relative, farthest_reference, localize, relative_regions, uncertain_pairs
-from experiments.terminal import print_table
+from experiments.terminal import print_table, show_table
 from filter.arrays import Array
 from filter.projection import Stop
 
@@ -183,7 +182,7 @@ def print_regions(common: Localized, relatives: Sequence[Relative]) -> None:
         found = each.region
         numbers = (f"{found.outer.area:.4g}", f"{found.performance_ratio:.3f}", str(found.searches))
         table.add_row(f"robot {each.robot} from robot {each.other}", *numbers, found.reason)
-    Console().print(table)
+    show_table(table)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from types import TracebackType
@@ -14,6 +15,7 @@ from rich.table import Table
 from experiments.metrics import Value
 
 Result = TypeVar("Result")
+WIDTH = 160  # of tables that no terminal shows, for a file or a pipe [characters]
 
 
 def tell(message: str) -> None:
@@ -27,7 +29,12 @@ def print_table(title: str, values: Mapping[str, Value]) -> None:
     table.columns[1].justify = "right"
     for name, value in values.items():
         table.add_row(name, "-" if value is None else str(value))
-    Console().print(table)
+    show_table(table)
+
+
+def show_table(table: Table) -> None:
+    """Print the table to stdout, folded to the terminal's width if that is one."""
+    Console(width=None if sys.stdout.isatty() else WIDTH).print(table)
 
 
 class StepProgress:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -23,7 +22,7 @@ from experiments.executors import executor
 from experiments.history import TANGENTS
 from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
-from experiments.terminal import Counting, print_table, tell
+from experiments.terminal import Counting, print_table, show_table, tell
 from experiments.tightness_figures import draw_budgets, draw_over_time
 from experiments.tightness_runs import BUDGETS, DEFAULT, WITHOUT, Followed, Optimum, Variant, follow, optimum_at
 from filter.arrays import Array, number, whole
@@ -201,7 +200,7 @@ def print_runs(runs: dict[str, Followed], optima: Sequence[Optimum]) -> None:
         )
     for column in table.columns[1:]:
         column.justify = "right"
-    Console().print(table)
+    show_table(table)
 
 
 if __name__ == "__main__":

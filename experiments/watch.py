@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from experiments.command import command
@@ -21,7 +20,7 @@ from experiments.metrics import Value, rounded
 from experiments.output import output_folder, write_summary
 from experiments.run import Step, steps
 from experiments.scenarios import from_log
-from experiments.terminal import StepProgress, print_table
+from experiments.terminal import StepProgress, print_table, show_table
 from experiments.tum import Trajectory, find_trajectories, read_trajectory
 from filter.arrays import Array, finite
 from filter.errors import InvalidInput
@@ -161,7 +160,7 @@ def _print_stretches(stretches: Sequence[Stretch]) -> None:
         numbers = (f"{each.start:.3f}", f"{each.end:.3f}", str(each.frames), f"{each.worst.distance:.3f}")
         table.add_row(f"r{each.worst.robot}", *numbers, proof)
     if stretches:
-        Console().print(table)
+        show_table(table)
 
 
 if __name__ == "__main__":

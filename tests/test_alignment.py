@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from test_robust import started, world_of
 
-from filter.alignment import Alignment
+from filter.alignment import Alignment, Offsets
 from filter.angles import wrap
 from filter.errors import InvalidInput
+from filter.estimating import Estimating
 from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.polygon import Polygon
 from filter.robust import RobustFilter
@@ -157,6 +158,31 @@ def test_a_compass_does_no_harm_while_a_camera_is_suspected(compass):
         belief = robust.update(belief, [*records, *([Compass(time, 0, 0.0, 0.05)] if compass else [])])
         assert belief.regions[0].outer.contains([0.0, 0.0])
     assert belief.offsets.suspected[0]
+
+
+def judged(column, value, deviation, was):
+    """Return what is known of one camera that was suspected, or not, of being turned (3) or late (4); bearings are within 0.1."""
+    covariance = np.zeros((1, 5, 5))
+    covariance[0, column, column] = deviation**2
+    mean, running = np.eye(5)[None, column] * value, np.array([True])
+    before = replace(Offsets.none(1, 0.0), mean=mean, covariance=covariance, running=running, allowed=np.array([0.1]))
+    estimating = Estimating(replace(before, suspected=np.array([was]), late=np.array([was])), Alignment())
+    estimating.judge(10.0)
+    return estimating.offsets
+
+
+@pytest.mark.parametrize(("column", "bound", "name"), [(3, 0.1, "suspected"), (4, 0.2, "late")])
+def test_a_suspicion_lasts_until_the_estimate_is_good_for_sure(column, bound, name):
+    assert getattr(judged(column, 0.95 * bound, 0.2 * bound, True), name)
+    assert not getattr(judged(column, 0.75 * bound, 0.2 * bound, True), name)
+    assert not getattr(judged(column, 0.95 * bound, 0.2 * bound, False), name)
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 1, 2])
+def test_a_camera_that_is_off_by_full_turns_is_not_turned(turns):
+    offsets = judged(3, turns * 2 * np.pi + 0.01, 0.01, True)
+    assert not offsets.suspected
+    assert offsets.offset == pytest.approx(0.01)
 
 
 def later(records, before, time):

@@ -65,11 +65,9 @@ class Offsets:
         misfit: (n,) the share of the last sightings, some twenty, that are beyond the gate.
         astray: (n, 2) how many landmarks in turn are beyond the gate to one side, negative to the right, and the last.
         allowed: (n,) the bound of the robot's last bearing [rad].
-        good_until: (n,) until when the camera looked good [s], less the delay with which it shows that it is not.
-        bad_since: (n,) since when the estimate is that of a turned camera [s]; infinite where it is not.
-        suspected: (n,) cameras whose bearings are not to tell a heading.
-        late_since: (n,) since when the estimate is that of a late camera [s]; infinite where it is not.
-        late: (n,) cameras that are not to be believed at all.
+        good_until: (n, 2) until when the camera looked good [s], less the delay with which it shows that it is turned or late.
+        bad_since: (n, 2) since when the estimate is that of a turned or late camera [s]; infinite where it is not.
+        suspected: (n, 2) cameras that are suspected to be turned, or late.
     """
 
     mean: Array
@@ -82,8 +80,6 @@ class Offsets:
     good_until: Array
     bad_since: Array
     suspected: Mask
-    late_since: Array
-    late: Mask
 
     def __post_init__(self) -> None:
         for column in fields(self):
@@ -92,10 +88,9 @@ class Offsets:
     @classmethod
     def none(cls, robots: int, time: float) -> Offsets:
         """Return that nothing is known, at a time [s]."""
-        nobody, never, zeros = np.zeros(robots, dtype=bool), np.full(robots, np.inf), np.zeros((robots, 5, 5))
-        estimate = zeros[:, 0], zeros, np.zeros(robots), nobody, np.zeros(robots), np.zeros((robots, 2))
-        turned = np.full(robots, time), never.copy(), nobody.copy()
-        return cls(*estimate, never, *turned, never.copy(), nobody.copy())
+        nobody, never, zeros = np.zeros((robots, 2), dtype=bool), np.full((robots, 2), np.inf), np.zeros((robots, 5, 5))
+        estimate = zeros[:, 0], zeros, zeros[:, 0, 0], nobody[:, 0], zeros[:, 0, 0], zeros[:, 0, :2]
+        return cls(*estimate, never[:, 0], np.full((robots, 2), time), never, nobody)
 
     @property
     def offset(self) -> Array:
@@ -106,6 +101,16 @@ class Offsets:
     def delay(self) -> Array:
         """(n,) estimated delays of the cameras, positive where they are later than the commands [s]."""
         return self.mean[:, 4]
+
+    @property
+    def turned(self) -> Mask:
+        """(n,) cameras that are suspected to be turned: their bearings are not to tell a heading."""
+        return self.suspected[:, 0]
+
+    @property
+    def late(self) -> Mask:
+        """(n,) cameras that are suspected to be late: they are not to be believed at all."""
+        return self.suspected[:, 1]
 
     @property
     def deviations(self) -> Array:

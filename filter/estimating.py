@@ -104,21 +104,19 @@ class Estimating:
 
     def judge(self, time: float) -> None:
         """Suspect cameras whose offset or delay is beyond a bound for sure, and those no longer that agree again."""
-        rules, (good_until, bad_since, suspected, late_since, late) = self._rules, self._judgement
+        rules, (good_until, bad_since, suspected) = self._rules, self._judgement
         self._mean[:, 3] = wrap(self._mean[:, 3])  # a full turn is none
-        off, deviation = np.abs(self._mean[:, 3]), np.sqrt(self._covariance[:, 3, 3])
-        looks_good = ~self._running | (off <= deviation / 2)
-        good_until = np.where(looks_good, np.maximum(good_until, time - rules.delay), good_until)
-        turned = self._running & (off - rules.deviations * deviation > rules.share * self._allowed)
-        bad_since = np.where(turned, np.minimum(bad_since, time), np.inf)
-        agrees = self._running & (off + deviation <= self._allowed)
+        running, off = self._running[:, None], np.abs(self._mean[:, 3:])
+        deviation = np.sqrt(np.diagonal(self._covariance, axis1=1, axis2=2)[:, 3:])
+        bound = np.column_stack([self._allowed, np.full(len(off), rules.late)])
+        looks_good = ~running | (off <= deviation / 2)
+        beyond = running & (off - rules.deviations * deviation > bound * [rules.share, 1.0])
+        beyond[:, 0] &= ~suspected[:, 1]  # whatever a late camera shows, it may be late by more
+        bad_since = np.where(beyond, np.minimum(bad_since, time), np.inf)
+        agrees = running & (off + deviation <= bound)
         suspected = (time - bad_since >= rules.patience) | (suspected & ~agrees)
-        off, deviation = np.abs(self._mean[:, 4]), np.sqrt(self._covariance[:, 4, 4])
-        tardy = self._running & (off - rules.deviations * deviation > rules.late)
-        late_since = np.where(tardy, np.minimum(late_since, time), np.inf)
-        agrees = self._running & (off + deviation <= rules.late)
-        late = (time - late_since >= rules.patience) | (late & ~agrees)
-        self._judgement = [good_until, bad_since, suspected, late_since, late]
+        good_until = np.where(looks_good, np.maximum(good_until, time - rules.delay), good_until)
+        self._judgement = [good_until, bad_since, suspected]
 
 
 @compiled

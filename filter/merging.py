@@ -46,7 +46,7 @@ class Merging:
         """Merge sightings, one after the other."""
         for robot, target, sector in zip(sightings.robot.tolist(), sightings.target.tolist(), sightings.sector, strict=True):
             if robot == target:
-                if self._before.offsets.suspected[robot]:
+                if self._before.offsets.turned[robot]:
                     continue  # its slices are of the camera's heading, of which a compass says nothing
                 self._cast(robot, target, partial(narrowed, sector))
             elif self._before.offsets.late[robot]:
@@ -139,8 +139,8 @@ class Merging:
         for robot in np.flatnonzero(late).tolist():
             misled |= self._misled("camera", "robot", robot, before.time) & ~late
         doubtful = np.array([self._doubtful_since(robot) for robot in range(self._team.robots)])
-        doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until), doubtful)
-        doubtful = np.where(late, np.minimum(doubtful, offsets.late_since - alignment.delay), doubtful)
+        doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until[:, 0]), doubtful)
+        doubtful = np.where(late, np.minimum(doubtful, offsets.good_until[:, 1]), doubtful)
         suspended = np.where(np.isfinite(doubtful), before.time, before.suspended)
         for robot in range(self._team.robots):
             because = self._because(robot, bool(misled[robot]), bool(turned[robot]), bool(late[robot]))
@@ -177,20 +177,18 @@ class Merging:
 
     def _turned(self, now: Offsets) -> Mask:
         """Note which cameras are suspected to be turned, or no longer; return (n,) those that newly are."""
-        before = self._before.offsets.suspected
-        for robot in np.flatnonzero(before != now.suspected).tolist():
-            offset, deviation, since = now.offset[robot], now.deviations[robot, 0], now.good_until[robot]
-            self._events.append(
-                Turned(self._before.time, robot, bool(now.suspected[robot]), *map(float, (offset, deviation, since)))
-            )
-        return now.suspected & ~before
+        before = self._before.offsets.turned
+        for robot in np.flatnonzero(before != now.turned).tolist():
+            found = map(float, (now.offset[robot], now.deviations[robot, 0], now.good_until[robot, 0]))
+            self._events.append(Turned(self._before.time, robot, bool(now.turned[robot]), *found))
+        return now.turned & ~before
 
     def _late(self, now: Offsets) -> Mask:
         """Note which cameras are suspected to be late, or no longer; return (n,) those that newly are."""
         before = self._before.offsets.late
         for robot in np.flatnonzero(before != now.late).tolist():
-            delay, deviation = float(now.delay[robot]), float(now.deviations[robot, 1])
-            self._events.append(Late(self._before.time, robot, bool(now.late[robot]), delay, deviation))
+            found = map(float, (now.delay[robot], now.deviations[robot, 1], now.good_until[robot, 1]))
+            self._events.append(Late(self._before.time, robot, bool(now.late[robot]), *found))
         return now.late & ~before
 
     def _put_aside(self, trust: Trust, sensor: str) -> Mask:

@@ -92,7 +92,7 @@ class RobustFilter:
         moves = _moves(odometry, self.team, time - belief.time)
         estimating = Estimating(belief.offsets, self.alignment)
         estimating.move(moves, time - belief.time)
-        for robot in np.flatnonzero(belief.offsets.suspected).tolist():  # its slices are of the camera's heading
+        for robot in np.flatnonzero(belief.offsets.turned).tolist():  # its slices are of the camera's heading
             distance, turn, aside = moves[robot]
             moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
         sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))

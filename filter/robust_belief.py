@@ -130,6 +130,7 @@ class Late:
         aside: True when it is suspected, False when it is trusted again.
         delay: How much later than commands its pictures are stamped, besides what is declared, by estimate [s].
         deviation: Of the estimate [s].
+        since: The camera can be late since then [s]; until a while before, it looked good.
     """
 
     time: float
@@ -137,12 +138,14 @@ class Late:
     aside: bool
     delay: float
     deviation: float
+    since: float
 
     def __str__(self) -> str:
-        judged = "suspected to be late" if self.aside else "trusted again"
-        by = f"{self.delay:+.2f} +- {self.deviation:.2f} s"
-        told = f"as robot {self.robot} turns, its pictures are stamped late by {by} (evidence, no proof)"
-        return f"camera of robot {self.robot} {judged} at {self.time:.3f} s: {told}"
+        by = f"by {self.delay:+.2f} +- {self.deviation:.2f} s"
+        told = f"as robot {self.robot} turns, its pictures are stamped late {by} (evidence, no proof)"
+        if not self.aside:
+            return f"camera of robot {self.robot} trusted again at {self.time:.3f} s: {told}"
+        return f"camera of robot {self.robot} suspected to be late since {self.since:.0f} s: {told}; nothing of it is merged"
 
 
 RobustEvent = Rejected | Disagreement | Restarted | Distrusted | Turned | Late
@@ -191,6 +194,6 @@ class RobustBelief:
     @cached_property
     def headings(self) -> AngularIntervals:
         """(n) arcs that contain the robots' headings; whole circles where a camera is suspected to be turned."""
-        suspected = self.offsets.suspected.tolist()
+        suspected = self.offsets.turned.tolist()
         arcs = np.array([(0.0, np.pi) if off else known.heading() for known, off in zip(self.sets, suspected, strict=True)])
         return AngularIntervals(arcs[:, 0], arcs[:, 1])

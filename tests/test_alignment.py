@@ -15,6 +15,7 @@ from filter.polygon import Polygon
 from filter.robust import RobustFilter
 from filter.robust_belief import Late, Restarted, Turned
 from filter.team import Team
+from filter.voting import Rules
 
 GUILTY = 1
 
@@ -55,7 +56,7 @@ def test_a_turned_camera_is_suspected_and_the_others_keep_their_guarantee(seed, 
         beliefs.append(belief)
         places, headings = inside(belief, world)
         assert (places & headings)[others].all()
-        if belief.offsets.suspected[GUILTY] and not belief.events:
+        if belief.offsets.turned[GUILTY] and not belief.events:
             assert places.all()
             assert headings.all()
     (event,) = named(beliefs)
@@ -149,7 +150,7 @@ def test_a_compass_does_no_harm_while_a_camera_is_suspected(compass):
     belief = robust.start(0.0, [Polygon.box([-5, -5], [5, 5])])
     mean, covariance = belief.offsets.mean.copy(), belief.offsets.covariance.copy()
     mean[0, 3], covariance[0] = off, np.diag([0.01, 0.01, 0.001, 0.001, 0.001])
-    said = {"running": np.array([True]), "suspected": np.array([True]), "allowed": np.array([0.1])}
+    said = {"running": np.array([True]), "suspected": np.array([[True, False]]), "allowed": np.array([0.1])}
     belief = replace(belief, offsets=replace(belief.offsets, mean=mean, covariance=covariance, **said))
     for k in range(1, 60):
         time = 0.2 * k
@@ -157,21 +158,22 @@ def test_a_compass_does_no_harm_while_a_camera_is_suspected(compass):
         records = [Bearing(time, 0, 1, off, 0.1), Range(time, 0, 1, 4.0, 0.1, 0.0)]
         belief = robust.update(belief, [*records, *([Compass(time, 0, 0.0, 0.05)] if compass else [])])
         assert belief.regions[0].outer.contains([0.0, 0.0])
-    assert belief.offsets.suspected[0]
+    assert belief.offsets.turned[0]
 
 
 def judged(column, value, deviation, was):
-    """Return what is known of one camera that was suspected, or not, of being turned (3) or late (4); bearings are within 0.1."""
+    """Return what is known of one camera that was suspected, or not, to be turned (3) or late (4); bearings are within 0.1."""
     covariance = np.zeros((1, 5, 5))
     covariance[0, column, column] = deviation**2
     mean, running = np.eye(5)[None, column] * value, np.array([True])
     before = replace(Offsets.none(1, 0.0), mean=mean, covariance=covariance, running=running, allowed=np.array([0.1]))
-    estimating = Estimating(replace(before, suspected=np.array([was]), late=np.array([was])), Alignment())
+    suspected = was & (np.arange(3, 5)[None] == column)
+    estimating = Estimating(replace(before, suspected=suspected), Alignment())
     estimating.judge(10.0)
     return estimating.offsets
 
 
-@pytest.mark.parametrize(("column", "bound", "name"), [(3, 0.1, "suspected"), (4, 0.2, "late")])
+@pytest.mark.parametrize(("column", "bound", "name"), [(3, 0.1, "turned"), (4, 0.2, "late")])
 def test_a_suspicion_lasts_until_the_estimate_is_good_for_sure(column, bound, name):
     assert getattr(judged(column, 0.95 * bound, 0.2 * bound, True), name)
     assert not getattr(judged(column, 0.75 * bound, 0.2 * bound, True), name)
@@ -181,7 +183,7 @@ def test_a_suspicion_lasts_until_the_estimate_is_good_for_sure(column, bound, na
 @pytest.mark.parametrize("turns", [-2, -1, 1, 2])
 def test_a_camera_that_is_off_by_full_turns_is_not_turned(turns):
     offsets = judged(3, turns * 2 * np.pi + 0.01, 0.01, True)
-    assert not offsets.suspected
+    assert not offsets.turned
     assert offsets.offset == pytest.approx(0.01)
 
 
@@ -237,7 +239,20 @@ def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
         each for belief in beliefs for each in belief.events if isinstance(each, Restarted) and "late" in each.because
     ]
     assert restart.robot == GUILTY
-    assert restart.doubtful_since <= 0.2 * begins
+    assert 0 <= restart.doubtful_since == event.since <= 0.2 * begins
+    assert all(not each.aside or each.robot != GUILTY for each in named(beliefs[int(event.time / 0.2) :]))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_whoever_has_believed_a_late_camera_lately_starts_over_with_its_robot(seed):
+    beliefs = list(late_touring(world_of(seed), 120, (0, np.inf)))
+    (place,) = [k for k, belief in enumerate(beliefs) if told([belief])]
+    before, now = beliefs[place - 1], beliefs[place]
+    by_it = before.votes.accepted[:, before.votes.accepted.shape[1] - 3 + GUILTY]
+    believers = set(np.flatnonzero(by_it > now.time - Rules().window).tolist()) - {GUILTY}
+    restarted = {each.robot for each in now.events if isinstance(each, Restarted) and each.because == "it was misled"}
+    assert believers
+    assert believers <= restarted
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -11,17 +11,20 @@ from recordings import rows_of
 from experiments import mrclam
 from experiments.mrclam import Changes, main, numbers_of
 from experiments.mrclam_bounds import Bounds
+from experiments.mrclam_carried import Carried
 from experiments.mrclam_data import read_run
 from experiments.mrclam_ekf import kalman_filter
 from experiments.mrclam_faults import FAULTS
 from experiments.mrclam_figures import stretches
-from experiments.mrclam_filter import Followed, anywhere, rejecting, team_filter
+from experiments.mrclam_filter import Followed, anywhere, rejecting, team_filter, voting
 from experiments.mrclam_frames import Start, frames
 from experiments.mrclam_metrics import Escaped, Table, Tally, longest, measured_by, summary_of
 from experiments.mrclam_motion import Motions
 from experiments.tum import read_trajectory
 from filter.errors import InvalidInput
 from filter.polygon import Polygon
+from filter.robust import RobustFilter
+from filter.robust_belief import Restarted
 from filter.team import Team
 
 KEYS = {
@@ -250,6 +253,17 @@ def test_a_tally_counts_what_each_robot_measured(folder, scenario_frames):
     assert found.weight.tolist() == [measured_by(frame, 2).tolist() for frame in scenario_frames[:3]]
     assert found.weight.sum() == sum(len(frame.measurements[0].robot) for frame in scenario_frames[:3])
     assert (found.area > 0).all()
+
+
+def test_what_happens_while_robots_move_is_told_with_what_is_measured_then(folder):
+    class Leaving(RobustFilter):
+        def predict(self, belief, time, odometry=None):
+            return replace(super().predict(belief, time, odometry), events=(Restarted(time, 1, time, "it left"),))
+
+    scenario, motions = frames(read_run(folder), (1, 2)), Motions(read_run(folder), (1, 2), Bounds())
+    step = next(voting(scenario, Carried(motions), Leaving(scenario.team)))
+    assert step.resets == 1
+    assert [word for word in step.events if word.endswith("it left")]
 
 
 def test_what_lasts_is_told_once_and_its_end_too():

@@ -78,6 +78,7 @@ class Harder:
 # of the barcodes misread.
 HARDER: Mapping[str, Harder] = {
     "as_it_is": Harder(),
+    "errors_1.2": Harder(errors=1.2),
     "errors_1.3": Harder(errors=1.3),
     "errors_1.5": Harder(errors=1.5),
     "errors_2": Harder(errors=2.0),

@@ -86,8 +86,9 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
 
 def named(event: Distrusted | Turned | Late, team: Team) -> str:
     """Return the name of the sensor that an event is about."""
-    sensor, body = (event.sensor, event.body) if isinstance(event, Distrusted) else ("camera", event.robot)
-    return f"{sensor} of {team.name(body)}"
+    if isinstance(event, Distrusted):
+        return f"{event.sensor} of {team.name(event.body)}"
+    return f"{'camera clock' if isinstance(event, Late) else 'camera'} of {team.name(event.robot)}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,7 +32,7 @@ from filter.errors import InvalidInput
 NAMES = {
     "biased": ("camera",),
     "biased_right": ("camera",),
-    "shifted_camera": ("camera",),
+    "shifted_camera": ("camera clock",),
     "swapped": ("identity",) * 2,
     "exchanged": ("identity",) * 2,
 }

@@ -18,7 +18,7 @@ class Alignment:
         share: The offset of a good camera is at most this share of a bearing's bound, as other errors come on top; in (0, 1].
         deviations: One whose estimate is beyond that by so many of its deviations is suspected, ...
         patience: ... after it has been for so long [s].
-        late: So much later than commands, or earlier, a good camera's pictures may be stamped than is declared [s].
+        tolerated_delay: So much later than commands, or earlier, a good camera's pictures may be stamped than is declared [s].
         bearing: Deviation of a bearing over its bound.
         range: Deviation of a range over its bound; errors repeat themselves, so it is large.
         lasting: Errors of motion are as large as their bounds, and last so long [s].
@@ -27,7 +27,7 @@ class Alignment:
         wander: How much an offset may change in a second, by its deviation [rad].
         clock: Deviation of a camera's delay of which nothing is known [s].
         drift: How much a delay may change in a second, by its deviation [s].
-        delay: So long after it is turned or late a camera can still look good [s].
+        hidden: So long after it is turned or late a camera can still look good [s].
 
     Raises:
         InvalidInput: A value is out of its range.
@@ -36,7 +36,7 @@ class Alignment:
     share: float = 0.6
     deviations: float = 2.0
     patience: float = 5.0
-    late: float = 0.2
+    tolerated_delay: float = 0.2
     bearing: float = 0.4
     range: float = 1.5
     lasting: float = 1.0
@@ -45,7 +45,7 @@ class Alignment:
     wander: float = 0.0067
     clock: float = 0.2
     drift: float = 0.003
-    delay: float = 60.0
+    hidden: float = 60.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -65,7 +65,7 @@ class Offsets:
         misfit: (n,) the share of the last sightings, some twenty, that are beyond the gate.
         astray: (n, 2) how many landmarks in turn are beyond the gate to one side, negative to the right, and the last.
         allowed: (n,) the bound of the robot's last bearing [rad].
-        good_until: (n, 2) until when the camera looked good [s], less the delay with which it shows that it is turned or late.
+        good_until: (n, 2) until when the camera looked good [s], less the time for which it can hide that it is turned or late.
         bad_since: (n, 2) since when the estimate is that of a turned or late camera [s]; infinite where it is not.
         suspected: (n, 2) cameras that are suspected to be turned, or late.
     """
@@ -111,6 +111,11 @@ class Offsets:
     def late(self) -> Mask:
         """(n,) cameras that are suspected to be late: they are not to be believed at all."""
         return self.suspected[:, 1]
+
+    @property
+    def on_trial(self) -> Mask:
+        """(n,) late cameras without an estimate: they are listened to, with no guarantee, until there is one again."""
+        return self.late & ~self.running
 
     @property
     def deviations(self) -> Array:

@@ -28,6 +28,7 @@ JUMPED = 2  # so many landmarks in turn to the same side: the robot was bumped, 
 LATELY = 0.25  # over such a time the turn rate is averaged that a late camera shows [s]
 RECENT = 0.05  # the last sighting's part in the share of those that an estimate does not explain, ...
 WRONG = 0.7  # ... which shows that it is wrong
+SINGULAR = 1e-12  # a covariance of a sighting whose determinant is no more than so large a share of the variances' product
 
 
 class Estimating:
@@ -56,7 +57,8 @@ class Estimating:
             across = aside[1] + np.abs(distance).max() * min(1.0, aside[0])
             noise = np.array([*(lasting * np.square([path + aside[1], across, twist])), *wander])
             self._rate[robot] += lately * (turn.mean() / max(duration, 1e-9) - self._rate[robot])
-            _drive(self._mean[robot], self._covariance[robot], distance.mean(), turn.mean(), noise)
+            chord = distance.mean() * np.sinc(turn.mean() / 2 / np.pi)
+            _drive(self._mean[robot], self._covariance[robot], chord, turn.mean(), noise)
 
     def see(self, sightings: Sightings, robots: int, landmarks: Array, excluded: Mask) -> None:
         """Merge sightings of landmarks (l, 2) [m] but those whose identity is put aside, (b,); team mates say nothing here."""
@@ -87,9 +89,13 @@ class Estimating:
     def check(self, sets: Sequence[Hypotheses]) -> None:
         """Stop estimates that are wrong or have become too wide; begin where the sets are small enough."""
         variance = np.diagonal(self._covariance, axis1=1, axis2=2)
-        wide = (variance[:, :2].max(axis=1) > FAR_OUT**2) | (variance[:, 2] > UNKNOWN**2)
-        self._running &= ~wide & (self._misfit < WRONG)
+        narrow = (variance[:, :2].max(axis=1) <= FAR_OUT**2) & (variance[:, 2] <= UNKNOWN**2)
+        possible = (
+            np.isfinite(self._mean).all(axis=1) & np.isfinite(self._covariance).all(axis=(1, 2)) & (variance >= 0).all(axis=1)
+        )
+        self._running &= narrow & possible & (self._misfit < WRONG)
         for robot in np.flatnonzero(~self._running).tolist():
+            self._mean[robot], self._covariance[robot] = 0.0, 0.0
             self._begin(robot, sets[robot].hull(), *sets[robot].heading())
 
     def _begin(self, robot: int, hull: Array, heading: float, bound: float) -> None:
@@ -108,27 +114,28 @@ class Estimating:
         self._mean[:, 3] = wrap(self._mean[:, 3])  # a full turn is none
         running, off = self._running[:, None], np.abs(self._mean[:, 3:])
         deviation = np.sqrt(np.diagonal(self._covariance, axis1=1, axis2=2)[:, 3:])
-        bound = np.column_stack([self._allowed, np.full(len(off), rules.late)])
-        looks_good = ~running | (off <= deviation / 2)
+        bound = np.column_stack([self._allowed, np.full(len(off), rules.tolerated_delay)])
+        known = running & (deviation < np.array([rules.prior, rules.clock]) / 2)
+        looks_good = known & (off <= deviation / 2)
         beyond = running & (off - rules.deviations * deviation > bound * [rules.share, 1.0])
         beyond[:, 0] &= ~suspected[:, 1]  # whatever a late camera shows, it may be late by more
         bad_since = np.where(beyond, np.minimum(bad_since, time), np.inf)
-        agrees = running & (off + deviation <= bound)
+        agrees = known & (off + deviation <= bound)
         suspected = (time - bad_since >= rules.patience) | (suspected & ~agrees)
-        good_until = np.where(looks_good, np.maximum(good_until, time - rules.delay), good_until)
+        good_until = np.where(looks_good, np.maximum(good_until, time - rules.hidden), good_until)
         self._judgement = [good_until, bad_since, suspected]
 
 
 @compiled
-def _drive(mean: Array, covariance: Array, distance: float, turn: float, noise: Array) -> None:
-    """Move one estimate in place; the noise (5,) is the variance along the way, across it, of turn, offset and delay."""
+def _drive(mean: Array, covariance: Array, chord: float, turn: float, noise: Array) -> None:
+    """Move one estimate in place by a chord; the noise (5,) is the variance along it, across it, of turn, offset and delay."""
     way = mean[2] + turn / 2
     x, y = np.cos(way), np.sin(way)
-    mean[0] += distance * x
-    mean[1] += distance * y
+    mean[0] += chord * x
+    mean[1] += chord * y
     mean[2] += turn
     F = np.eye(5)
-    F[0, 2], F[1, 2] = -distance * y, distance * x
+    F[0, 2], F[1, 2] = -chord * y, chord * x
     covariance[:] = F @ covariance @ F.T
     covariance[0, 0] += x * x * noise[0] + y * y * noise[1]
     covariance[1, 1] += y * y * noise[0] + x * x * noise[1]
@@ -146,7 +153,7 @@ def _see(
     """Merge a bearing and a range (2,) of a place (2,) into one estimate, in place; the robot turns at a rate [rad/s].
 
     Returns:
-        Whether it is beyond the gate, and how many deviations the bearing alone is aside.
+        Whether it is beyond the gate, and how many deviations the bearing alone is aside; what cannot be weighed is beyond it.
     """
     dx, dy = place[0] - mean[0], place[1] - mean[1]
     distance = max(np.hypot(dx, dy), 1e-6)
@@ -157,11 +164,16 @@ def _see(
     apart = np.array([off - 2 * np.pi * np.round(off / (2 * np.pi)), seen[1] - distance])
     R = np.diag(deviations**2)
     S = H @ covariance @ H.T + R
+    if not S[0, 0] * S[1, 1] - S[0, 1] * S[1, 0] > SINGULAR * S[0, 0] * S[1, 1]:
+        return True, 0.0
     aside = apart[0] / np.sqrt(S[0, 0])
     far = float(apart @ np.linalg.solve(S, apart)) / gate**2
     if far > 1:
         S += (far - 1) * R
+        R *= far
     K = np.linalg.solve(S, H @ covariance).T
     mean += K @ apart
-    covariance[:] = covariance - K @ S @ K.T
+    kept = np.eye(5) - K @ H
+    joseph = kept @ covariance @ kept.T + K @ R @ K.T
+    covariance[:] = (joseph + joseph.T) / 2
     return far > 1, aside

@@ -49,7 +49,7 @@ class Merging:
                 if self._before.offsets.turned[robot]:
                     continue  # its slices are of the camera's heading, of which a compass says nothing
                 self._cast(robot, target, partial(narrowed, sector))
-            elif self._before.offsets.late[robot]:
+            elif self._before.offsets.late[robot] and not self._before.offsets.on_trial[robot]:
                 continue
             elif target >= self._team.robots:
                 self._landmark(robot, target, sector)
@@ -135,15 +135,23 @@ class Merging:
         before, offsets = self._before, self._estimated(sightings, alignment)
         trust = before.trust.judged(before.time, self._judged, suspicion)
         misled = self._put_aside(trust, "camera") | self._put_aside(trust, "identity")
-        turned, late = self._turned(offsets), self._late(offsets)
+        turned, late = self._changed(offsets, 0, Turned), self._changed(offsets, 1, Late) & offsets.late
         for robot in np.flatnonzero(late).tolist():
             misled |= self._misled("camera", "robot", robot, before.time) & ~late
         doubtful = np.array([self._doubtful_since(robot) for robot in range(self._team.robots)])
+        doubtful = np.where(offsets.on_trial, np.minimum(before.doubtful_since, before.time), doubtful)
         doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until[:, 0]), doubtful)
         doubtful = np.where(late, np.minimum(doubtful, offsets.good_until[:, 1]), doubtful)
         suspended = np.where(np.isfinite(doubtful), before.time, before.suspended)
+        reasons = {
+            "it was misled": misled,
+            "its camera is suspected to be turned": turned & offsets.turned,
+            "its camera is trusted again": turned,
+            "its camera is suspected to be late": late,
+            "there is an estimate of its late camera again": before.offsets.on_trial & offsets.late & offsets.running,
+        }
         for robot in range(self._team.robots):
-            because = self._because(robot, bool(misled[robot]), bool(turned[robot]), bool(late[robot]))
+            because = "it is lost" if self._poll.lost(robot) else next((why for why in reasons if reasons[why][robot]), "")
             if because:
                 self._restart(robot, min(float(doubtful[robot]), before.time), because)
                 doubtful[robot], suspended[robot] = np.inf, before.time
@@ -164,32 +172,13 @@ class Merging:
             return np.inf
         return min(float(self._before.doubtful_since[robot]), self._poll.first_rejected(robot))
 
-    def _because(self, robot: int, misled: bool, turned: bool, late: bool) -> str:
-        """Return why a robot starts over, or nothing."""
-        if self._poll.lost(robot):
-            return "it is lost"
-        reasons = {
-            "it was misled": misled,
-            "its camera is suspected to be turned": turned,
-            "its camera is suspected to be late": late,
-        }
-        return next((reason for reason, holds in reasons.items() if holds), "")
-
-    def _turned(self, now: Offsets) -> Mask:
-        """Note which cameras are suspected to be turned, or no longer; return (n,) those that newly are."""
-        before = self._before.offsets.turned
-        for robot in np.flatnonzero(before != now.turned).tolist():
-            found = map(float, (now.offset[robot], now.deviations[robot, 0], now.good_until[robot, 0]))
-            self._events.append(Turned(self._before.time, robot, bool(now.turned[robot]), *found))
-        return now.turned & ~before
-
-    def _late(self, now: Offsets) -> Mask:
-        """Note which cameras are suspected to be late, or no longer; return (n,) those that newly are."""
-        before = self._before.offsets.late
-        for robot in np.flatnonzero(before != now.late).tolist():
-            found = map(float, (now.delay[robot], now.deviations[robot, 1], now.good_until[robot, 1]))
-            self._events.append(Late(self._before.time, robot, bool(now.late[robot]), *found))
-        return now.late & ~before
+    def _changed(self, now: Offsets, column: int, event: type[Turned] | type[Late]) -> Mask:
+        """Note which cameras are suspected to be turned, 0, or late, 1, or no longer; return (n,) of which that is new."""
+        before, after = self._before.offsets.suspected[:, column], now.suspected[:, column]
+        found = np.column_stack([now.mean[:, 3 + column], now.deviations[:, column], now.good_until[:, column]])
+        for robot in np.flatnonzero(before != after).tolist():
+            self._events.append(event(self._before.time, robot, bool(after[robot]), *found[robot].tolist()))
+        return before != after
 
     def _put_aside(self, trust: Trust, sensor: str) -> Mask:
         """Note which cameras or identities are put aside or trusted again; return (n,) who has believed one put aside."""

@@ -37,7 +37,7 @@ class RobustFilter:
         team: The robots, the landmarks and their limits.
         rules: What is assumed of wrong measurements.
         suspicion: When a camera or an identity is put aside.
-        alignment: When a camera is suspected to be turned.
+        alignment: When a camera is suspected to be turned or late.
         cells: How many slices a full circle of headings has.
 
     Raises:

@@ -91,7 +91,7 @@ class Turned:
 
     **This is statistical evidence, no proof**: sets do not exclude it. As long as it lasts, the camera's bearings tell where
     the robot is, however far the camera is turned, but not its heading, which can be any; a compass is not merged. The robot
-    starts over at first.
+    starts over at first, and when the camera is trusted again.
 
     Attributes:
         time: When [s].
@@ -122,7 +122,8 @@ class Late:
     """A camera's clock is suspected to be wrong against that of its robot's commands; or it is trusted again.
 
     **This is statistical evidence, no proof.** As long as it lasts, nothing that the camera says is merged; the robot starts
-    over at first.
+    over at first. While there is no estimate, as the robot knows too little, the camera is on trial: it is listened to, with
+    the guarantee for its robot suspended, until there is one again; then the robot starts over.
 
     Attributes:
         time: When [s].
@@ -141,8 +142,8 @@ class Late:
     since: float
 
     def __str__(self) -> str:
-        by = f"by {self.delay:+.2f} +- {self.deviation:.2f} s"
-        told = f"as robot {self.robot} turns, its pictures are stamped late {by} (evidence, no proof)"
+        by = f"{abs(self.delay):.2f} +- {self.deviation:.2f} s too {'late' if self.delay > 0 else 'early'}"
+        told = f"as robot {self.robot} turns, its pictures are stamped {by} (evidence, no proof)"
         if not self.aside:
             return f"camera of robot {self.robot} trusted again at {self.time:.3f} s: {told}"
         return f"camera of robot {self.robot} suspected to be late since {self.since:.0f} s: {told}; nothing of it is merged"

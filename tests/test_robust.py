@@ -9,7 +9,7 @@ from worlds import World
 from filter.angles import AngularIntervals, wrap
 from filter.belief import Rejected
 from filter.errors import InvalidInput, OutOfOrder
-from filter.hypotheses import AGREED
+from filter.hypotheses import AGREED, EARLIER
 from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.polygon import Polygon
 from filter.robust import RobustFilter
@@ -272,6 +272,19 @@ def test_a_robot_that_has_left_the_arena_starts_over_and_it_is_told():
     assert all(after.regions[0].outer.contains(corner) for corner in corners)
     assert before.events == ()
     assert not np.isfinite(before.suspended[0])
+
+
+def test_what_leaves_the_arena_names_when_doubt_began_and_no_vote_of_an_earlier_window():
+    robust = RobustFilter(Team(1, np.zeros((0, 2)), arena=np.array([[-2.0, -2.0], [2.0, 2.0]])))
+    odometry = Odometry(1.0, 2.0, 0, 3.0, 0.01, 0.0, 0.01, 0.01, 0.001)
+    before = robust.start(1.0, [Polygon.box([1.0, -0.1], [1.2, 0.1])], AngularIntervals([0.0], [0.1]))
+    (event,) = robust.predict(replace(before, doubtful_since=np.array([0.5])), 2.0, odometry).events
+    assert event.doubtful_since == 0.5
+    stays = robust.start(1.0, [Polygon.box([-1.0, -0.1], [-0.9, 0.1])]).sets[0]
+    earlier = replace(stays, without=np.full(len(stays), EARLIER))
+    (event,) = robust.predict(replace(before, sets=(earlier,)), 2.0, replace(odometry, distance=np.array([0.1]))).events
+    assert isinstance(event, Disagreement)
+    assert [source.kind for source in event.suspects] == ["odometry"]
 
 
 def test_a_vote_that_leads_out_of_the_arena_is_told_and_the_next_right_one_is_not_charged():

@@ -219,7 +219,7 @@ def test_an_estimate_that_begins_says_nothing_of_a_camera_yet(suspected):
     robust = RobustFilter(Team(1, [[4.0, 0.0]]))
     belief = robust.start(0.0, [Polygon.box([-0.1, -0.1], [0.1, 0.1])], AngularIntervals([0.0], [0.05]))
     said = {"suspected": np.array([suspected]), "allowed": np.array([0.25])}
-    belief = robust.update(replace(belief, offsets=replace(belief.offsets, **said)), [])
+    belief = robust.update(replace(belief, time=100.0, offsets=replace(belief.offsets, **said)), [])
     assert belief.offsets.running.all()
     assert belief.offsets.suspected.tolist() == [suspected]
     assert not named([belief])

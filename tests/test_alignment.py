@@ -247,7 +247,7 @@ def test_sightings_without_any_error_make_no_trouble():
         assert belief.regions[0].outer.contains([0.0, 0.0])
 
 
-@pytest.mark.parametrize(("slip", "bound"), [(10.0, 1e-3), (1e3, 1e-3), (10.0, 1e-6)])
+@pytest.mark.parametrize(("slip", "bound"), [(10.0, 1e-3), (1e3, 1e-6), (1e5, 1e-9)])
 @pytest.mark.parametrize("seed", range(4))
 def test_an_estimate_stays_a_distribution_whatever_the_bounds(seed, slip, bound):
     marks = np.random.default_rng(seed).uniform(-50, 50, (4, 2))
@@ -261,5 +261,5 @@ def test_an_estimate_stays_a_distribution_whatever_the_bounds(seed, slip, bound)
             Range(0.1 * k, [0] * 4, [1, 2, 3, 4], distance, bound, 0),
         ]
         belief = robust.update(belief, records)
-        assert (np.linalg.eigvalsh(belief.offsets.covariance) >= -1e-9).all()
+        assert (np.linalg.eigvalsh(belief.offsets.covariance) >= -1e-12).all()
         assert belief.regions[0].outer.contains([0.0, 0.0])

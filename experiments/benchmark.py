@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.benchmark_agreement import Agreement, Shares, agreement_of, shares_of
-from experiments.benchmark_figures import draw_ratios
-from experiments.benchmark_ways import POLYTOPE, SEARCH, Problem, by_kernel, ways
-from experiments.command import command
-from experiments.grids import draw_grid
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.terminal import Counting, print_table, show_table, tell
-from experiments.timing import medians
+from experiments.follow.metrics import Value, rounded
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import Counting, print_table, show_table, tell
+from experiments.sweep.timing import medians
+from experiments.timed.agreement import Agreement, Shares, agreement_of, shares_of
+from experiments.timed.figures import draw_ratios
+from experiments.timed.grids import draw_grid
+from experiments.timed.ways import POLYTOPE, SEARCH, Problem, by_kernel, ways
 from filter.arrays import number, whole
 
 AGREED = 1e-8  # [m]

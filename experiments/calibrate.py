@@ -17,21 +17,21 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
-from experiments.calibration import Errors, command_lag, measurement_delay, motion_errors, sensor_errors, speed_scale
-from experiments.calibration_bounds import proposed, said, statistics
-from experiments.calibration_carried import proposed_carried
-from experiments.colours import colour_of
-from experiments.command import command
-from experiments.figures import LOOK
-from experiments.metrics import Value
+from experiments.against_ekf.figures import LOOK
+from experiments.follow.metrics import Value
+from experiments.follow.scenarios import from_log
 from experiments.mrclam import numbers_of
-from experiments.mrclam_bounds import Bounds
-from experiments.mrclam_carried import CarriedBounds
-from experiments.mrclam_data import Run, read_run
-from experiments.mrclam_frames import frames
-from experiments.output import output_folder, write_summary
-from experiments.scenarios import from_log
-from experiments.terminal import Counting, print_table, show_table
+from experiments.real_robots.bounds import Bounds
+from experiments.real_robots.carried import CarriedBounds
+from experiments.real_robots.carried_bounds import proposed_carried
+from experiments.real_robots.data import Run, read_run
+from experiments.real_robots.error_bounds import proposed, said, statistics
+from experiments.real_robots.errors import Errors, command_lag, measurement_delay, motion_errors, sensor_errors, speed_scale
+from experiments.real_robots.frames import frames
+from experiments.show.colours import colour_of
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import Counting, print_table, show_table
 from filter.arrays import number
 from filter.errors import InvalidInput
 from filter.team import Team

@@ -21,19 +21,19 @@ from rich.console import Console
 from rich.progress import track
 from scipy import sparse
 
-from experiments.command import command
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.run import steps
-from experiments.scenarios import from_simulator
-from experiments.terminal import print_table
+from experiments.follow.metrics import Value, rounded
+from experiments.follow.scenarios import from_simulator
+from experiments.follow.steps import steps
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import print_table
 from filter.arrays import Array, Mask, number, whole
-from filter.belief import Belief
-from filter.lp import LinearProgram
-from filter.polygon import SIDES
-from filter.projection import position
-from filter.set_membership import SetMembershipFilter
-from filter.solvers import deepest_point, workspace
+from filter.geometry.polygon import SIDES
+from filter.linear.program import LinearProgram
+from filter.linear.solvers import deepest_point, workspace
+from filter.projection.polygons_of import position
+from filter.sets.belief import Belief
+from filter.sets.set_membership import SetMembershipFilter
 from sim.episode import episode
 
 ORIGINS = (0.0, 1.0, 5e6)  # [m]

@@ -16,19 +16,19 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from experiments.command import command
-from experiments.comparison import SERIES, Case, compare
-from experiments.comparison_metrics import DIMENSION
-from experiments.comparison_recording import record
-from experiments.comparison_table import kept_every_truth, print_comparison, summary_of, write_csv, write_markdown
-from experiments.executors import executor
-from experiments.figures import draw_all, nees_band
-from experiments.merge_orders import compare_orders
-from experiments.metrics import Value
-from experiments.monte_carlo import Result, Results, carry_out
-from experiments.output import output_folder, write_summary
-from experiments.terminal import print_table, tell
-from experiments.tuning import CONSERVATIVE, TUNED
+from experiments.against_ekf.figures import draw_all, nees_band
+from experiments.against_ekf.recording import record
+from experiments.against_ekf.table import kept_every_truth, print_comparison, summary_of, write_csv, write_markdown
+from experiments.against_ekf.tuning import CONSERVATIVE, TUNED
+from experiments.follow.ellipses import DIMENSION
+from experiments.follow.metrics import Value
+from experiments.follow.side_by_side import SERIES, Case, compare
+from experiments.paper.merge_orders import compare_orders
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import print_table, tell
+from experiments.sweep.executors import executor
+from experiments.sweep.results import Result, Results, carry_out
 from filter.arrays import whole
 from sim.errors import ERROR_KINDS
 

@@ -12,21 +12,21 @@ from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from experiments.certificates import Certificates
-from experiments.command import command
-from experiments.log import LogWriter
-from experiments.metrics import Escapes, Metrics, Value
-from experiments.output import Trajectories, output_folder, write_summary
-from experiments.recording import Recording
-from experiments.run import Contacts, Step, steps
-from experiments.scenarios import Scenario, from_log, from_simulator
-from experiments.terminal import StepProgress, print_table, tell
-from experiments.viewer import open_viewer
+from experiments.follow.metrics import Escapes, Metrics, Value
+from experiments.follow.scenarios import Scenario, from_log, from_simulator
+from experiments.follow.steps import Contacts, Step, steps
+from experiments.logs.certificates import Certificates
+from experiments.logs.log import LogWriter
+from experiments.show.command import command
+from experiments.show.output import Trajectories, output_folder, write_summary
+from experiments.show.recording import Recording
+from experiments.show.terminal import StepProgress, print_table, tell
+from experiments.show.viewer import open_viewer
 from filter.errors import Inconsistent, InvalidInput
-from filter.projector import EXACT
-from filter.regions import Scope
-from filter.set_membership import Policy, SetMembershipFilter
-from filter.window import Window
+from filter.projection.projector import EXACT
+from filter.projection.window import Window
+from filter.sets.refine import Scope
+from filter.sets.set_membership import Policy, SetMembershipFilter
 from sim.episode import MeasurementChoice, WorldKind, episode
 from sim.errors import ErrorKind
 

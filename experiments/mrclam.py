@@ -15,22 +15,22 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.command import command
-from experiments.comparison_metrics import WIDE_SIZE
-from experiments.metrics import Value
-from experiments.mrclam_bounds import Bounds
-from experiments.mrclam_data import RobotLog, Run, read_tables, run_of
-from experiments.mrclam_ekf import kalman_filter
-from experiments.mrclam_faults import faulty
-from experiments.mrclam_figures import draw_all
-from experiments.mrclam_filter import Followed, team_filter
-from experiments.mrclam_frames import frames
-from experiments.mrclam_metrics import Escaped, Tally, summary_of
-from experiments.mrclam_motion import Motions
-from experiments.output import Trajectories, output_folder, write_summary
-from experiments.recording import Recording
-from experiments.scenarios import Scenario
-from experiments.terminal import StepProgress, print_table, tell
+from experiments.follow.ellipses import WIDE_SIZE
+from experiments.follow.metrics import Value
+from experiments.follow.scenarios import Scenario
+from experiments.real_robots.bounds import Bounds
+from experiments.real_robots.data import RobotLog, Run, read_tables, run_of
+from experiments.real_robots.faults import faulty
+from experiments.real_robots.figures import draw_all
+from experiments.real_robots.followed import Followed, team_filter
+from experiments.real_robots.frames import frames
+from experiments.real_robots.kalman import kalman_filter
+from experiments.real_robots.metrics import Escaped, Tally, summary_of
+from experiments.real_robots.motion import Motions
+from experiments.show.command import command
+from experiments.show.output import Trajectories, output_folder, write_summary
+from experiments.show.recording import Recording
+from experiments.show.terminal import StepProgress, print_table, tell
 from filter.arrays import Array, Mask, whole
 from filter.ekf import GaussianBelief
 from filter.errors import InvalidInput

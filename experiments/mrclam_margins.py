@@ -14,19 +14,19 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.command import command
-from experiments.executors import executor
-from experiments.metrics import Value
-from experiments.mrclam_bounds import Bounds
-from experiments.mrclam_data import read_tables, run_of
-from experiments.mrclam_ekf import kalman_filter
-from experiments.mrclam_filter import team_filter
-from experiments.mrclam_frames import frames
-from experiments.mrclam_harder import HARDER
-from experiments.mrclam_metrics import Tally, summary_of
-from experiments.mrclam_motion import Motions
-from experiments.output import output_folder, write_summary
-from experiments.terminal import gathered, show_table
+from experiments.follow.metrics import Value
+from experiments.real_robots.bounds import Bounds
+from experiments.real_robots.data import read_tables, run_of
+from experiments.real_robots.followed import team_filter
+from experiments.real_robots.frames import frames
+from experiments.real_robots.harder import HARDER
+from experiments.real_robots.kalman import kalman_filter
+from experiments.real_robots.metrics import Tally, summary_of
+from experiments.real_robots.motion import Motions
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import gathered, show_table
+from experiments.sweep.executors import executor
 from filter.arrays import whole
 from filter.errors import InvalidInput
 

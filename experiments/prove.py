@@ -6,7 +6,7 @@ reads FOLDER/certificates.jsonl.gz (see docs/soundness.md). Each line claims: fo
 satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot alone where `from` is -1. With the line's multipliers
 y >= 0 of the rows A x <= b, and c the normal in the robots' coordinates,
 c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; the claim is proved if that is no greater than its
-offset. Then each step is tied to what came before it: see `experiments.prove_chain`.
+offset. Then each step is tied to what came before it: see `experiments.proof.chain`.
 
 Exit code: 0 if everything is proved, 1 at the first line or link that is not, 2 if there is no such file.
 """
@@ -21,7 +21,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
 
-from experiments.prove_chain import WORLD, Broken, Chain, exact
+from experiments.proof.chain import WORLD, Broken, Chain, exact
 
 FILE = "certificates.jsonl.gz"
 BAR = 40  # characters

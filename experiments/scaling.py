@@ -15,19 +15,19 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from experiments.command import command
-from experiments.executors import cores
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.own_process import in_own_process
-from experiments.scaling_figures import draw_scaling
-from experiments.scaling_recording import record_size
-from experiments.scaling_run import measure
-from experiments.scaling_size import LEFT_OUT, RATE, Case, Size
-from experiments.terminal import StepProgress, print_table, show_table, tell
+from experiments.follow.metrics import Value, rounded
+from experiments.growth.figures import draw_scaling
+from experiments.growth.recording import record_size
+from experiments.growth.run import measure
+from experiments.growth.size import LEFT_OUT, RATE, Case, Size
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import StepProgress, print_table, show_table, tell
+from experiments.sweep.executors import cores
+from experiments.sweep.own_process import in_own_process
 from filter.arrays import whole
 from filter.errors import InvalidInput
-from filter.set_membership import PHASES
+from filter.sets.set_membership import PHASES
 from sim.episode import WorldKind
 from sim.errors import ErrorKind
 

@@ -15,14 +15,14 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.command import command
-from experiments.formation_recording import record_searches
-from experiments.formations import Formation, draw_formation
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.search_curves import SEARCHES, Curves, curves_of
-from experiments.search_figures import PROMISES, draw_convergence, draw_searches, draw_worst_case, gaps, ratios
-from experiments.terminal import Counting, print_table, show_table
+from experiments.follow.metrics import Value, rounded
+from experiments.paper.formations import Formation, draw_formation
+from experiments.paper.recording import record_searches
+from experiments.paper.search_curves import SEARCHES, Curves, curves_of
+from experiments.paper.search_figures import PROMISES, draw_convergence, draw_searches, draw_worst_case, gaps, ratios
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import Counting, print_table, show_table
 from filter.arrays import Array, whole
 from filter.errors import InvalidInput
 

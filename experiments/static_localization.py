@@ -17,18 +17,18 @@ from time import perf_counter
 import numpy as np
 from rich.table import Table
 
-from experiments.command import command
-from experiments.formation_recording import record_searches
-from experiments.formations import Formation, draw_formation
-from experiments.merge_orders import Spread, spread_over_orders
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.range_sector import overestimate
-from experiments.static_figures import EXAMPLES, draw_frames, draw_range_bearing, draw_relative
-from experiments.static_frames import Localized, Relative, farthest_reference, localize, relative_regions, uncertain_pairs
-from experiments.terminal import print_table, show_table
+from experiments.follow.metrics import Value, rounded
+from experiments.paper.formations import Formation, draw_formation
+from experiments.paper.frames import Localized, Relative, farthest_reference, localize, relative_regions, uncertain_pairs
+from experiments.paper.merge_orders import Spread, spread_over_orders
+from experiments.paper.range_sector import overestimate
+from experiments.paper.recording import record_searches
+from experiments.paper.static_figures import EXAMPLES, draw_frames, draw_range_bearing, draw_relative
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import print_table, show_table
 from filter.arrays import Array
-from filter.projection import Stop
+from filter.projection.polygons_of import Stop
 
 ORDERS = 6  # random orders in which the bearings are merged
 

@@ -16,18 +16,18 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from experiments.command import command
-from experiments.comparison import Case
-from experiments.executors import executor
-from experiments.history import TANGENTS
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.terminal import Counting, print_table, show_table, tell
-from experiments.tightness_figures import draw_budgets, draw_over_time
-from experiments.tightness_runs import BUDGETS, DEFAULT, WITHOUT, Followed, Optimum, Variant, follow, optimum_at
+from experiments.follow.metrics import Value, rounded
+from experiments.follow.side_by_side import Case
+from experiments.optimum.figures import draw_budgets, draw_over_time
+from experiments.optimum.history import TANGENTS
+from experiments.optimum.runs import BUDGETS, DEFAULT, WITHOUT, Followed, Optimum, Variant, follow, optimum_at
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import Counting, print_table, show_table, tell
+from experiments.sweep.executors import executor
 from filter.arrays import Array, number, whole
 from filter.errors import InvalidInput
-from filter.projection import Stop
+from filter.projection.polygons_of import Stop
 from sim.errors import ErrorKind
 
 SEARCHES = 64  # at most, of an optimum

@@ -15,16 +15,16 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.command import command
-from experiments.metrics import Value, rounded
-from experiments.output import output_folder, write_summary
-from experiments.run import Step, steps
-from experiments.scenarios import from_log
-from experiments.terminal import StepProgress, print_table, show_table
-from experiments.tum import Trajectory, find_trajectories, read_trajectory
+from experiments.follow.metrics import Value, rounded
+from experiments.follow.scenarios import from_log
+from experiments.follow.steps import Step, steps
+from experiments.logs.tum import Trajectory, find_trajectories, read_trajectory
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import StepProgress, print_table, show_table
 from filter.arrays import Array, finite
 from filter.errors import InvalidInput
-from filter.set_membership import SetMembershipFilter
+from filter.sets.set_membership import SetMembershipFilter
 from filter.watch import Alarm, watch
 
 

@@ -1,29 +1,26 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
-Read the modules in this order: errors, arrays, compiled, angles, plane, polygon, polygons, constraints, lp, scaling, solvers,
-polytope, reference, measurements, team, sensing, motion, projection, search, pruning, simplex, shadow, exact, budget,
-projector, window, windowed, outlines, windows, region, belief, headings, boxes, corners, regions, pairs, rejection,
-set_membership; slices, sightings, hypotheses, cuts, voting, trust, alignment, estimating, robust_belief, leaving, merging,
-robust, lag.
+Read in this order, rooms with a slash: errors, arrays, compiled, geometry/, measurements, frame, team, linear/, sensing/,
+projection/, sets/, robust/, lag, ekf, watch.
 """
 
-from filter.alignment import Alignment
-from filter.angles import AngularIntervals
-from filter.belief import Belief, Event, Fallback, Proof, Rejected, Source
-from filter.budget import Budget
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
+from filter.geometry.angles import AngularIntervals
+from filter.geometry.polygon import Polygon
 from filter.lag import FixedLag, Lagged
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
-from filter.polygon import Polygon
-from filter.projection import Stop
-from filter.region import Region, Regions
-from filter.robust import RobustFilter
-from filter.robust_belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, Turned
-from filter.set_membership import SetMembershipFilter
+from filter.projection.budget import Budget
+from filter.projection.polygons_of import Stop
+from filter.projection.window import Window
+from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, Turned
+from filter.robust.cameras import Alignment
+from filter.robust.robust_filter import RobustFilter
+from filter.robust.trust import Suspicion
+from filter.robust.votes import Rules
+from filter.sets.belief import Belief, Event, Fallback, Proof, Rejected, Source
+from filter.sets.regions import Region, Regions
+from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
-from filter.trust import Suspicion
-from filter.voting import Rules
-from filter.window import Window
 
 __all__ = [
     "Alignment",

@@ -21,7 +21,7 @@ SETTINGS = cast(Any, numba).config
 
 def _place() -> str:
     """Return the folder for what is compiled: under the caller's NUMBA_CACHE_DIR, or beside Python's own compiled files."""
-    texts = [text for text in (path.read_bytes() for path in sorted(FOLDER.glob("*.py"))) if b"\n@compiled\n" in text]
+    texts = [text for text in (path.read_bytes() for path in sorted(FOLDER.rglob("*.py"))) if b"\n@compiled\n" in text]
     version = hashlib.sha256(b"\0".join(texts)).hexdigest()[:16]
     return str(Path(SETTINGS.CACHE_DIR or FOLDER / "__pycache__") / f"corral-{version}")
 

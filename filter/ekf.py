@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import chi2
 
-from filter.angles import AngularIntervals, wrap
 from filter.arrays import Array, Integers, finite, number, read_only
 from filter.errors import InvalidInput
+from filter.geometry.angles import AngularIntervals, wrap
+from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
-from filter.polygon import Polygon
 from filter.team import Team
 
 STATES = 3  # x, y, heading

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.angles import AngularIntervals
 from filter.arrays import Array, Integers, finite, number, read_only
 from filter.errors import InvalidInput, OutOfOrder
+from filter.geometry.angles import AngularIntervals
+from filter.geometry.polygon import Polygon
 from filter.measurements import Compass, Measurement, Odometry
-from filter.polygon import Polygon
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from filter.arrays import Array, Floats, finite, read_only
-from filter.belief import Belief, Source
 from filter.errors import InvalidInput
-from filter.plane import EPSILON
-from filter.polygon import Polygon
+from filter.geometry.convex import EPSILON
+from filter.geometry.polygon import Polygon
+from filter.sets.belief import Belief, Source
 
 # Edges whose normals are within this of the separating line's direction carry it alone [rad].
 PARALLEL = 1e-6

@@ -9,12 +9,12 @@ import numpy as np
 
 from filter.arrays import finite, read_only
 from filter.errors import InvalidInput
+from filter.frame import Frame, Truth
 from filter.measurements import Measurement, Odometry
 from filter.team import Team
 from sim.drive import SPEED_LIMIT, Driver
 from sim.encoders import Encoders, odometry
 from sim.errors import ErrorKind, Errors, known_kind
-from sim.frame import Frame, Truth
 from sim.kinematic import KinematicWorld
 from sim.layout import Layout, layout, start_poses
 from sim.sensors import Readings, Sensors

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.angles import wrap
 from filter.arrays import Array, Integers, finite
 from filter.errors import InvalidInput
+from filter.geometry.angles import wrap
 from filter.measurements import Bearing, Compass, Measurement, Range
 from sim.errors import ErrorKind, Errors
 

@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from filter.angles import wrap
 from filter.arrays import Array, Integers
+from filter.geometry.angles import wrap
 from models import ARENA, DIFFDRIVE
 from sim.layout import Layout
 from sim.rendering import Camera, add_overview

@@ -1,0 +1,1 @@
+"""A filter follows a scenario, step by step, and is measured."""

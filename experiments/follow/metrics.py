@@ -1,0 +1,142 @@
+"""What a run amounts to: escapes, areas, performance ratios, times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from filter.frame import Frame, Truth
+from filter.sets.belief import Belief, Fallback, Rejected
+
+Value = float | int | str | bool | None
+DIGITS = 6  # significant ones in a summary, of means and times; counts are exact
+
+
+@dataclass(frozen=True)
+class Escapes:
+    """Robots whose truth was outside at one step: a broken guarantee.
+
+    Attributes:
+        positions: Robots outside their outer polygon.
+        headings: Robots whose heading is outside its interval.
+    """
+
+    positions: tuple[int, ...] = ()
+    headings: tuple[int, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.positions or self.headings)
+
+
+@dataclass
+class Metrics:
+    """Counts and collects, a step at a time.
+
+    A check is one robot at one step whose truth is known.
+
+    Attributes:
+        steps: Steps so far.
+        checks: Positions that were checked.
+        escapes: Positions outside their outer polygon.
+        heading_checks: Headings that were checked.
+        heading_escapes: Headings outside their interval.
+        measurements: Numbers that were measured and merged: a compass reading, a bearing or a range counts one each.
+        rows_max: Greatest number of constraints of a belief.
+        rejected: Measurements that were dropped for others to agree.
+        fallbacks: How often a solver's answers were no good.
+    """
+
+    steps: int = 0
+    checks: int = 0
+    escapes: int = 0
+    heading_checks: int = 0
+    heading_escapes: int = 0
+    measurements: int = 0
+    rows_max: int = 0
+    rejected: int = 0
+    fallbacks: int = 0
+    _areas: list[float] = field(default_factory=list)
+    _ratios: list[float] = field(default_factory=list)
+    _searches: list[int] = field(default_factory=list)
+    _seconds: list[float] = field(default_factory=list)
+    _square_errors: list[float] = field(default_factory=list)
+
+    def add(self, frame: Frame, belief: Belief, seconds: float) -> Escapes:
+        """Take one step in.
+
+        Args:
+            frame: What the filter was given, with the truth or without.
+            belief: What the filter made of it.
+            seconds: How long that took.
+
+        Returns:
+            Who escaped at this step.
+        """
+        self.steps += 1
+        self.measurements += sum(len(record.robot) for record in frame.measurements)
+        self.rows_max = max(self.rows_max, len(belief.constraints))
+        self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
+        self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
+        self._seconds.append(seconds)
+        self._areas += belief.regions.outer.areas.tolist()
+        self._ratios += [region.performance_ratio for region in belief.regions]
+        self._searches += belief.regions.searches.tolist()
+        return Escapes() if frame.truth is None else self._check(belief, frame.truth)
+
+    def _check(self, belief: Belief, truth: Truth) -> Escapes:
+        inside = belief.regions.contains(truth.positions).tolist()
+        within = belief.headings.contains(truth.headings).tolist()
+        errors = np.array([outer.centroid for outer in belief.regions.outer]) - truth.positions
+        self._square_errors += (errors**2).sum(axis=1).tolist()
+        escaped, turned = _missing(inside), _missing(within)
+        self.checks += len(inside)
+        self.heading_checks += len(within)
+        self.escapes += len(escaped)
+        self.heading_escapes += len(turned)
+        return Escapes(escaped, turned)
+
+    @property
+    def escaped(self) -> bool:
+        """Whether any position or heading has ever escaped."""
+        return self.escapes + self.heading_escapes > 0
+
+    def summary(self) -> dict[str, Value]:
+        """Return flat values with units in their names; None for what nothing is known of, as in windows from inside."""
+        ratios = self._ratios if any(self._ratios) else []
+        return {
+            "checks": self.checks,
+            "escapes": self.escapes,
+            "heading_checks": self.heading_checks,
+            "heading_escapes": self.heading_escapes,
+            "measurements": self.measurements,
+            "rejected": self.rejected,
+            "solver_fallbacks": self.fallbacks,
+            "outer_area_mean_m2": _mean(self._areas),
+            "outer_area_p95_m2": _quantile(self._areas, 0.95),
+            "performance_ratio_mean": _mean(ratios),
+            "performance_ratio_min": rounded(min(ratios)) if ratios else None,
+            "searches_mean": _mean(self._searches),
+            "rows_max": self.rows_max,
+            "step_median_ms": _quantile(self._seconds, 0.5, 1e3),
+            "step_p95_ms": _quantile(self._seconds, 0.95, 1e3),
+            "point_rmse_m": rounded(float(np.sqrt(np.mean(self._square_errors)))) if self._square_errors else None,
+        }
+
+
+def rounded(value: float) -> float:
+    """Return the value to `DIGITS` significant digits: what people read, not what anything is computed from."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _missing(inside: Sequence[bool]) -> tuple[int, ...]:
+    return tuple(robot for robot, holds in enumerate(inside) if not holds)
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return rounded(float(np.mean(values))) if values else None
+
+
+def _quantile(values: Sequence[float], share: float, unit: float = 1.0) -> float | None:
+    return rounded(float(np.quantile(values, share)) * unit) if values else None

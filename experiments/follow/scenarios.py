@@ -1,0 +1,80 @@
+"""Where frames come from: the simulator or a log, behind one type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.logs.log import LogReader
+from experiments.logs.records import Header, InitialSet
+from filter.arrays import Array
+from filter.frame import Frame
+from filter.geometry.angles import AngularIntervals
+from filter.team import Team
+from sim.episode import Episode
+from sim.world import World
+
+CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A run of a team: what is known before it, what a filter is given as it goes on, and where it takes place.
+
+    Attributes:
+        header: The team, when the run starts, and its rate.
+        initial: (n) what is known of each robot at the start.
+        frames: The frames, to be taken once.
+        count: Number of frames, or None when it shows only at the end.
+        walls: (w, 4) lower x, lower y, upper x, upper y of each wall [m].
+        wall_height: [m].
+        picture: Draws an image (height, width, 3) of the last frame taken, or None where nothing can.
+    """
+
+    header: Header
+    initial: tuple[InitialSet, ...]
+    frames: Iterator[Frame]
+    count: int | None
+    walls: Array
+    wall_height: float
+    picture: Callable[[], NDArray[np.uint8]] | None
+
+    @property
+    def team(self) -> Team:
+        """The team."""
+        return self.header.team
+
+
+def from_simulator(episode: Episode, rate: float) -> Scenario:
+    """Return the scenario of a simulated episode; the headings at its start are unknown."""
+    boxes = episode.start_centres[:, None] + episode.start_bound * CORNERS
+    world = episode.world
+    return Scenario(
+        header=Header(episode.team, 0.0, rate),
+        initial=tuple(InitialSet(box) for box in boxes),
+        frames=episode,
+        count=len(episode),
+        walls=world.walls,
+        wall_height=world.wall_height,
+        picture=world.render if isinstance(world, World) else None,
+    )
+
+
+def from_log(path: Path) -> Scenario:
+    """Return the scenario of a log.
+
+    Raises:
+        InvalidLog: The file cannot be read, or its head is not as docs/log.md says; a later fault comes with its frame.
+    """
+    log = LogReader(path)
+    return Scenario(log.header, log.initial, log.frames(), None, np.zeros((0, 4)), 0.0, None)
+
+
+def initial_headings(initial: Sequence[InitialSet]) -> AngularIntervals:
+    """Return (n) arcs: the known ones, and whole circles where nothing is known."""
+    pairs = np.array([known.heading or (0.0, np.pi) for known in initial])
+    return AngularIntervals(pairs[:, 0], pairs[:, 1])

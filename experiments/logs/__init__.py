@@ -1,0 +1,1 @@
+"""Logs, trajectories and certificates: what a run was given, and what it says, as files."""

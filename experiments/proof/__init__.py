@@ -1,0 +1,1 @@
+"""The parts of `experiments.prove`: exact arithmetic, with nothing but Python's standard library."""

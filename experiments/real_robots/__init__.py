@@ -1,0 +1,1 @@
+"""A run of the UTIAS data set: its records, its bounds, its faults."""

@@ -1,0 +1,98 @@
+"""The files of a run: its folder, its summary, its trajectories."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from experiments.follow.located import Located
+from experiments.follow.metrics import Value
+from filter.arrays import Array
+from filter.errors import InvalidInput
+from filter.frame import Frame
+from filter.team import Team
+
+FRAMES_KEPT = 100  # so many are written at a time: a file for each of many robots cannot be open all along
+
+
+def output_folder(path: Path) -> Path:
+    """Return a folder to write to, made if need be.
+
+    Raises:
+        InvalidInput: It cannot be made or written to.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        probe = path / "summary.json"
+        probe.unlink(missing_ok=True)  # one of an earlier run must not outlive a run that fails
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise InvalidInput("an output folder that can be written to", f"{path}: {error.strerror}") from None
+    return path
+
+
+def write_summary(folder: Path, summary: Mapping[str, Value | Sequence[Value]]) -> None:
+    """Write `summary.json`, flat but for lists."""
+    (folder / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+class Trajectories:
+    """Writes `trajectories/r0_filter.tum` (and `r0_truth.tum` where it is known) of every robot, as a run goes on.
+
+    TUM's format, a line a frame: t x y z qx qy qz qw, one blank between. The filter's position is the centroid of the outer
+    polygon, its heading the centre of the interval. Floats are written so that they come back exactly.
+
+    Use as a context manager, or call `close`.
+    """
+
+    def __init__(self, folder: Path, team: Team) -> None:
+        self._team = team
+        self._folder = folder / "trajectories"
+        self._folder.mkdir(exist_ok=True)
+        for old in self._folder.glob("r*_*.tum"):
+            old.unlink()
+        self._lines: dict[str, list[str]] = defaultdict(list)
+        self._frames = 0
+
+    def write(self, frame: Frame, belief: Located) -> None:
+        """Append one frame."""
+        centroids = np.array([region.outer.centroid for region in belief.regions])
+        self.estimate("filter", frame.time, centroids, belief.headings.centre)
+        if frame.truth is not None:
+            self.estimate("truth", frame.time, frame.truth.positions, frame.truth.headings)
+        self._frames += 1
+        if self._frames % FRAMES_KEPT == 0:
+            self.close()
+
+    def estimate(self, kind: str, time: float, positions: Array, headings: Array) -> None:
+        """Append poses (n, 2) [m] and (n,) [rad] of one time to `r0_<kind>.tum` and so on; those with NaN are left out."""
+        for robot, (position, heading) in enumerate(zip(positions, headings, strict=True)):
+            if np.isfinite(position).all() and np.isfinite(heading):
+                line = tum_line(time, position, float(heading))
+                self._lines[f"{self._team.name(robot)}_{kind}.tum"].append(line)
+
+    def close(self) -> None:
+        """Write what is left."""
+        for name, lines in self._lines.items():
+            with (self._folder / name).open("a", encoding="utf-8", newline="\n") as file:
+                file.writelines(lines)
+        self._lines.clear()
+
+    def __enter__(self) -> Trajectories:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+def tum_line(time: float, position: Array, heading: float) -> str:
+    """Return a pose in the plane as a line of a TUM file: t x y z qx qy qz qw."""
+    x, y = position.tolist()
+    turn = (0.0, 0.0, float(np.sin(heading / 2)), float(np.cos(heading / 2)))
+    return " ".join(repr(float(value)) for value in (time, x, y, 0.0, *turn)) + "\n"

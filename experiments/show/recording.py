@@ -1,0 +1,308 @@
+"""Recordings to look at with Rerun, live and afterwards. Nothing else imports Rerun; `drawing` beside it is what is shown.
+
+Rows are kept for a second of the run's time and sent as columns, which is ten times faster than row by row.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from experiments.follow.located import Located
+from experiments.show.colours import Colour, colour_of, mixed
+from experiments.show.drawing import (
+    ALL,
+    LABEL,
+    PLOTTED,
+    Arrows,
+    Drawing,
+    Fans,
+    Item,
+    Layers,
+    Number,
+    Points,
+    Strips,
+    at_height,
+    closed,
+    extent_of,
+    triangles_of,
+)
+from filter.arrays import Array
+from filter.frame import Frame
+from filter.geometry.polygon import Polygon
+from filter.team import Team
+
+APPLICATION = "corral"
+SEND_EVERY = 1.0  # [s] of the run's time
+VIEWER_PATIENCE = 10.0  # [s] that a viewer may take at the end to receive what is left
+NARROWEST = 1.3  # width over height of a view from above that still shows the whole arena
+BACKGROUND: Colour = (22, 24, 29)
+WALL: Colour = (112, 118, 130)
+INK: Colour = (245, 246, 248)
+ELLIPSE: Colour = (255, 214, 102)  # of another estimator
+ALARM: Colour = (255, 76, 76)
+ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
+INDIVIDUALLY = 60  # robots at most that have entities of their own; more would slow a viewer down
+CROWDED = 0.4  # size of a large team's points and lines, relative to a small one's
+CLOSE = 12.0  # height from which a large team's middle is shown [m]
+CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
+RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
+
+
+def ui_points(width: float) -> float:
+    """Return a radius that is the same on the screen at any zoom: half of `width` [points]."""
+    return -width / 2
+
+
+class Recording:
+    """Records a run as `.rrd`, and shows it while it goes on if asked to.
+
+    Use as a context manager, or call `close`: only then the file is whole.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        team: Team,
+        *,
+        recording_id: str,
+        walls: Array,
+        wall_height: float,
+        camera: bool = False,
+        inside: bool = True,
+        viewer: str | None = None,
+    ) -> None:
+        """Open the file and draw what never moves.
+
+        Args:
+            path: The `.rrd` file.
+            team: Whose run it is.
+            recording_id: The same for two runs that shall be compared.
+            walls: (w, 4) lower x, lower y, upper x, upper y of each wall [m]; without any, the arena is outlined.
+            wall_height: [m].
+            camera: Whether there will be images, which need a place.
+            inside: Whether anything will be known from inside; else there is no performance ratio to plot.
+            viewer: Address of a live viewer (see `experiments.show.viewer`), or None.
+        """
+        batches = rr.ChunkBatcherConfig(flush_tick=3600.0, flush_num_bytes=1 << 26, flush_num_rows=1 << 20)
+        self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False, batcher_config=batches)
+        self._stream.set_log_time_enabled(False)
+        live = [rr.GrpcSink(viewer)] if viewer else []
+        self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera, inside))
+        self._drawing = Drawing(team) if team.robots <= INDIVIDUALLY else Layers(team)
+        self._rows: dict[str, list[tuple[int, float, Any]]] = defaultdict(list)
+        self._step, self._time, self._sent = -1, 0.0, -np.inf
+        self._styled: set[str] = set()
+        self._draw_world(team, walls, wall_height)
+        self._draw_robots(team)
+
+    def add(self, frame: Frame, belief: Located) -> None:
+        """Record one step."""
+        self._step, self._time = self._step + 1, frame.time
+        for path, item in self._drawing.items(frame, belief):
+            self._put(path, item)
+        if self._time - self._sent >= SEND_EVERY:
+            self.send()
+
+    def ellipses(self, means: Array, covariances: Array, size: float) -> None:
+        """Record another estimator's ellipses e' P^-1 e <= size at the last step, over the polygons.
+
+        Args:
+            means: (n, 2) [m].
+            covariances: (n, 2, 2) [m2].
+            size: Quantile of the chi-square distribution with two degrees of freedom.
+        """
+        for robot, (mean, root) in enumerate(zip(means, np.linalg.cholesky(covariances), strict=True)):
+            path = f"/world/ellipse/{self._drawing.team.name(robot)}"
+            self._style_once(path, rr.LineStrips3D.from_fields(colors=ELLIPSE, radii=ui_points(1.6)))
+            line = mean + np.sqrt(size) * CIRCLE @ root.T
+            self._put(path, Strips((np.column_stack([line, np.full(len(line), ELLIPSE_HEIGHT)]),)))
+
+    def impossible(self, points: Sequence[Array]) -> None:
+        """Mark (2,) points that are proved to be wrong at the last step [m]; none for no mark."""
+        path = "/world/impossible"
+        self._style_once(path, rr.Points3D.from_fields(colors=ALARM, radii=ui_points(8), point_shading="flat"))
+        self._put(path, Points(np.array([(*point, ELLIPSE_HEIGHT) for point in points]).reshape(-1, 3)))
+
+    def suspended(self, outlines: Mapping[int, Polygon]) -> None:
+        """Outline in red the regions (by robot) that are not guaranteed at the last step; the others lose their outline."""
+        for robot in range(self._drawing.team.robots):
+            path = f"/world/suspended/{self._drawing.team.name(robot)}"
+            self._style_once(path, rr.LineStrips3D.from_fields(colors=ALARM, radii=ui_points(2.4)))
+            self._put(path, Strips((closed(outlines[robot], "estimate"),) if robot in outlines else ()))
+
+    def rejected(self, lines: Sequence[Array]) -> None:
+        """Draw in red (2, 2) lines from robots to what they measured, of measurements rejected at the last step [m]."""
+        path = "/world/rays/rejected"
+        self._style_once(path, rr.LineStrips3D.from_fields(colors=ALARM, radii=ui_points(2.0)))
+        self._put(path, Strips(tuple(at_height(line, "estimate") for line in lines)))
+
+    def event(self, text: str, level: str = "INFO") -> None:
+        """Enter an event at the time of the last step; level is INFO, WARN or ERROR."""
+        self._put("/events", (f"{self._time:.1f} s: {text}", level))
+
+    def image(self, pixels: NDArray[np.uint8]) -> None:
+        """Record a (height, width, 3) image of the last step."""
+        self._stream.set_time("t", duration=self._time)
+        self._stream.set_time("step", sequence=self._step)
+        self._stream.log("/camera", rr.Image(pixels).compress(jpeg_quality=85))
+        self._stream.reset_time()
+
+    def send(self) -> None:
+        """Send the rows that wait."""
+        for path, rows in self._rows.items():
+            steps, times, items = zip(*rows, strict=True)
+            indexes = [rr.TimeColumn("t", duration=times), rr.TimeColumn("step", sequence=steps)]
+            self._stream.send_columns(path, indexes, _columns(items), strict=True)
+        self._rows.clear()
+        self._sent = self._time
+
+    def close(self) -> None:
+        """Send what is left and end the file."""
+        self.send()
+        with suppress(RuntimeError):  # a viewer that somebody has closed keeps nothing from the file
+            self._stream.flush(timeout_sec=VIEWER_PATIENCE)
+        self._stream.disconnect()
+
+    def _put(self, path: str, item: Item | tuple[str, str]) -> None:
+        self._rows[path].append((self._step, self._time, item))
+
+    def _static(self, path: str, archetype: Any) -> None:
+        self._stream.log(path, archetype, static=True, strict=True)
+
+    def _style_once(self, path: str, archetype: Any) -> None:
+        if path not in self._styled:
+            self._styled.add(path)
+            self._static(path, archetype)
+
+    def _draw_world(self, team: Team, walls: Array, height: float) -> None:
+        self._static("/world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+        if not len(walls) and np.isfinite(team.arena).all():
+            outline = closed(Polygon.box(*team.arena), "outer")
+            self._static("/world/walls", rr.LineStrips3D([outline], colors=WALL, radii=ui_points(4)))
+        if len(walls):
+            middles, sizes = (walls[:, :2] + walls[:, 2:]) / 2, walls[:, 2:] - walls[:, :2]
+            centers = np.column_stack([middles, np.full(len(walls), height / 2)])
+            half_sizes = np.column_stack([sizes / 2, np.full(len(walls), height / 2)])
+            self._static("/world/walls", rr.Boxes3D(centers=centers, half_sizes=half_sizes, colors=WALL, fill_mode="solid"))
+        if len(team.landmarks):
+            places = np.column_stack([team.landmarks, np.full(len(team.landmarks), 0.05)])
+            names = [team.name(team.robots + k) for k in range(len(places))]
+            self._static("/world/landmarks", rr.Points3D(places, colors=INK, radii=ui_points(11), point_shading="flat"))
+            below = places - [0, 2 * LABEL, 0]
+            self._static("/world/label/landmarks", rr.Points3D(below, colors=INK, radii=0.0, labels=names, show_labels=True))
+        for kind, colour in RAYS.items():
+            self._static(f"/world/rays/{kind}", rr.LineStrips3D.from_fields(colors=colour, radii=ui_points(1.0)))
+
+    def _draw_robots(self, team: Team) -> None:
+        colours = [mixed(colour_of(robot), INK, 0.15) for robot in range(team.robots)]  # lighter, for the dark ground
+        if team.robots > INDIVIDUALLY:
+            self._style(ALL, colours)
+            self._plots(PLOTTED, [INK, RAYS["bearing"], ALARM])
+            return
+        names = [team.name(robot) for robot in range(team.robots)]
+        for name, colour in zip(names, colours, strict=True):
+            self._style(name, [colour])
+            self._static(f"/world/label/{name}", rr.Points3D.from_fields(colors=INK, radii=0.0, labels=name, show_labels=True))
+        self._plots(names, colours)
+
+    def _style(self, name: str, colours: Sequence[Colour]) -> None:
+        """Say how the layers of one robot look, or those of several that share them."""
+        lines, points = rr.LineStrips3D.from_fields, rr.Points3D.from_fields
+        alone = len(colours) == 1
+        size = 1.0 if alone else CROWDED
+        fill, inner = (colours[0], mixed(colours[0], INK, 0.5)) if alone else (INK, INK)
+        trail = [mixed(colour, BACKGROUND, 0.5) for colour in colours]
+        self._static(f"/world/fill/{name}", rr.Mesh3D.from_fields(albedo_factor=(*fill, 50)))
+        self._static(f"/world/outer/{name}", lines(colors=colours, radii=ui_points(2.4 * size)))
+        self._static(f"/world/inner/{name}", lines(colors=inner, radii=ui_points(1.0)))
+        self._static(f"/world/trail/{name}", lines(colors=trail, radii=ui_points(1.5)))
+        self._static(f"/world/truth/{name}", points(colors=colours, radii=ui_points(9 * size), point_shading="flat"))
+        self._static(f"/world/heading/{name}", rr.Arrows3D.from_fields(colors=colours, radii=ui_points(3 * size)))
+        self._static(f"/world/estimate/{name}", points(colors=INK, radii=ui_points(4 * size), point_shading="flat"))
+
+    def _plots(self, names: Sequence[str], colours: Sequence[Colour]) -> None:
+        for name, colour in zip(names, colours, strict=True):
+            self._static(f"/area/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.5, aggregation_policy="Off"))
+            self._static(f"/performance_ratio/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.0))
+
+    def __enter__(self) -> Recording:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+def _columns(items: Sequence[Any]) -> list[Any]:
+    """Return Rerun's columns of one entity's rows, which are all of one type."""
+    match items[0]:
+        case Strips():
+            lines = [line for item in items for line in item.lines]
+            return [*rr.LineStrips3D.columns(strips=lines).partition([len(item.lines) for item in items])]
+        case Points():
+            positions = np.concatenate([item.positions for item in items])
+            return [*rr.Points3D.columns(positions=positions).partition([len(item.positions) for item in items])]
+        case Arrows():
+            origins, vectors = (np.concatenate([getattr(item, name) for item in items]) for name in ("origins", "vectors"))
+            return [*rr.Arrows3D.columns(origins=origins, vectors=vectors).partition([len(item.origins) for item in items])]
+        case Fans():
+            return _fans(items)
+        case Number():
+            return [*rr.Scalars.columns(scalars=[item.value for item in items])]
+    texts, levels = zip(*items, strict=True)
+    return [*rr.TextLog.columns(text=texts, level=levels)]
+
+
+def _fans(items: Sequence[Fans]) -> list[Any]:
+    points = [np.concatenate(item.polygons) for item in items]
+    triangles = [np.concatenate(triangles_of([len(vertices) for vertices in item.polygons])) for item in items]
+    corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(points)).partition([len(each) for each in points])
+    indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(each) for each in triangles])
+    return [*corners, *indices]
+
+
+def blueprint(team: Team, camera: bool, inside: bool) -> rrb.Blueprint:
+    """Return how a recording opens: the arena from above, a close-up, plots of area and performance ratio, the events."""
+    lower, upper = extent_of(team)
+    middle, size = (lower + upper) / 2, upper - lower
+    arena = _from_above("Arena from above", (*middle, 0.0), float(max(size[1], size[0] / NARROWEST)) * 1.06)
+    middle_one = team.name(team.robots // 2)
+    close = _from_above(f"Close-up of {middle_one}", (0.0, 0.0, 0.0), 0.5, tracked=f"/world/estimate/{middle_one}")
+    if team.robots > INDIVIDUALLY:
+        close = _from_above("Close-up of the middle", (*middle, 0.0), CLOSE)
+    legend = rrb.PlotLegend(corner="RightTop")
+    area = rrb.TimeSeriesView(origin="/area", name="Area of the outer polygons [m²]", plot_legend=legend)
+    ratio = rrb.TimeSeriesView(
+        origin="/performance_ratio",
+        name="Performance ratio: inner over outer area",
+        axis_y=rrb.ScalarAxis(range=(0.0, 1.05)),
+        plot_legend=rrb.PlotLegend(visible=False),
+    )
+    hidden = rrb.encodings.TimelineColumn("t", visible=False)  # too narrow to be read; the text begins with the time
+    columns = rrb.TextLogColumns(timeline_columns=[hidden], text_log_columns=["LogLevel", "Body"])
+    events = rrb.TextLogView(origin="/events", name="Events", columns=columns)
+    images = [rrb.Spatial2DView(origin="/camera", name="Camera")] if camera else []
+    shares = [1.4, 1.5, 0.9, 0.95] if inside else [1.4, 1.5, 0.95]
+    right = rrb.Vertical(rrb.Tabs(*images, close), area, *([ratio] if inside else []), events, row_shares=shares)
+    return rrb.Blueprint(
+        rrb.Horizontal(arena, right, column_shares=[2.3, 1]),
+        rrb.TimePanel(timeline="t", state="collapsed"),
+        collapse_panels=True,
+    )
+
+
+def _from_above(name: str, target: Sequence[float], height: float, tracked: str | None = None) -> rrb.Spatial3DView:
+    x, y, z = target
+    eye = rrb.EyeControls3D(
+        kind="Orbital", position=(x, y, z + height), look_target=(x, y, z), eye_up=(0.0, 1.0, 0.0), tracking_entity=tracked
+    )
+    return rrb.Spatial3DView(origin="/world", name=name, background=BACKGROUND, line_grid=False, eye_controls=eye)

@@ -1,0 +1,70 @@
+"""Something is computed in a process of its own: with its own peak of memory, and nothing left behind."""
+
+from __future__ import annotations
+
+import multiprocessing
+import re
+import sys
+from collections.abc import Callable, Iterator
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, TypeVar
+
+from experiments.sweep.results import WorkerLost
+
+Argument = TypeVar("Argument")
+Told = TypeVar("Told")
+# Linux tells a process's own peak here. What getrusage says there is no less than its parent's memory when it was made.
+STATUS = Path("/proc/self/status")
+# What getrusage counts in: kibibytes, but for macOS.
+MEMORY_UNIT = 1 if sys.platform == "darwin" else 1024
+MEBIBYTE = 2**20
+
+
+def in_own_process(generator: Callable[[Argument], Iterator[Told]], argument: Argument) -> Iterator[Told]:
+    """Yield what a generator yields that runs in a new process; it ends with this one.
+
+    Args:
+        generator: A function of a module, as the process imports it; what it yields is pickled.
+        argument: What it is called with.
+
+    Raises:
+        WorkerLost: The process ended before the generator did.
+    """
+    context = multiprocessing.get_context("spawn")
+    here, there = context.Pipe(duplex=False)
+    process = context.Process(target=_tell, args=(generator, argument, there), daemon=True)
+    process.start()
+    there.close()
+    try:
+        yield from _told(here)
+    finally:
+        here.close()
+        process.kill()
+        process.join()
+
+
+def _told(here: Connection) -> Iterator[Any]:
+    try:
+        while (told := here.recv()) is not None:
+            yield told[0]
+    except EOFError:
+        raise WorkerLost("a process ended before its work: killed, or out of memory") from None
+
+
+def _tell(generator: Callable[[Any], Iterator[Any]], argument: Any, there: Connection) -> None:
+    for told in generator(argument):
+        there.send((told,))
+    there.send(None)
+
+
+def peak_memory_mib() -> float | None:
+    """Return the most memory that this process has had so far [MiB], or None where nobody knows."""
+    if STATUS.exists():
+        peak = re.search(r"VmHWM:\s*(\d+) kB", STATUS.read_text(encoding="ascii", errors="replace"))
+        return round(int(peak[1]) * 1024 / MEBIBYTE, 1) if peak else None
+    try:
+        import resource  # noqa: PLC0415 - there is none on Windows
+    except ImportError:
+        return None
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * MEMORY_UNIT / MEBIBYTE, 1)

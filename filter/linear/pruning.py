@@ -1,0 +1,54 @@
+"""Dropping constraints, which is always sound; which ones, by the area that is lost."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
+from filter.geometry.convex import centroid_of, worthy
+from filter.geometry.polygons import Cuts
+from filter.linear.constraints import WORLD, Constraints
+from filter.linear.polytope import Polytope
+
+
+def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constraints:
+    """Return the polytope's rows with at most so many left on each robot and on each pair.
+
+    Where there are more, those that the others imply within the group go first, then one after the other the edge
+    whose removal adds the least area. The box stays, and counts nothing.
+    """
+    rows = polytope.constraints
+    order, i, j, size = rows.grouped()
+    budget = np.where(i == WORLD, rows_per_robot, rows_per_pair)
+    keep = np.zeros(len(rows), dtype=bool)
+    crowded = np.flatnonzero(size > budget)
+    cuts = polytope.of(i[crowded], j[crowded])
+    keep[worthy_rows(cuts, budget[crowded])] = True
+    stays = size <= budget
+    stays[crowded[cuts.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
+    keep[order[np.repeat(stays, size)]] = True
+    return rows.select(keep)
+
+
+def worthy_rows(cuts: Cuts, budget: Integers) -> Integers:
+    """Return which of the polygons' rows to keep so that little area is added: at most so many (g,) of each.
+
+    Greedy: again and again the edge goes whose removal adds least. Sides of the box stay and count nothing.
+    """
+    outlines = cuts.polygons
+    lines = outlines.normals, outlines.offsets
+    keep = _worthy(lines, outlines.vertices, outlines.first, cuts.edges >= 0, budget)
+    return cuts.edges[keep & (cuts.edges >= 0)]
+
+
+@compiled
+def _worthy(lines: tuple[Array, Array], vertices: Array, first: Integers, removable: Mask, budget: Integers) -> Mask:
+    normals, offsets = lines
+    keep = np.ones(len(offsets), dtype=np.bool_)
+    for k in range(len(budget)):
+        begin, end = first[k], first[k + 1]
+        x, y = centroid_of(vertices[begin:end])
+        level = offsets[begin:end] - (normals[begin:end, 0] * x + normals[begin:end, 1] * y)
+        keep[begin:end], _ = worthy(normals[begin:end], level, removable[begin:end], budget[k], -1.0)
+    return keep

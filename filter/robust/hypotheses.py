@@ -1,0 +1,120 @@
+"""Where one robot can be if at most one recent vote is wrong: slices, each of which does without one vote, or without none.
+
+A vote is what one pair says in a while: sightings of one target by one robot, seconds apart at most, are right or wrong
+together, as a barcode is misread for some frames in a row and a robot that stands repeats its error. A slice that has to agree
+with every vote is AGREED. When a vote opens, the agreed slices are copied; the copies do without that vote, but have to agree
+with all others. So the truth is in the agreed slices if no vote is wrong, and in one of all slices if at most one is: the
+relaxed intersection (Jaulin, Robust set-membership state estimation, Automatica 2009) by recursion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from filter.arrays import Array, Integers, Mask, read_only
+from filter.errors import InvalidInput
+from filter.geometry.polygon import Polygon, clip
+from filter.robust.slices import COUNT, DIRECTIONS, QUARTER, regrid
+
+AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over
+Cut = Callable[[Array, Array, Array], Mask]  # cuts low, high, reach of slices in place, and says which are left
+STRETCHED = 1.5  # of a cell; when the slices of a robot are as wide as this on average, they are cut anew
+
+
+@dataclass(frozen=True, eq=False)
+class Hypotheses:
+    """Slices of one robot's poses.
+
+    Attributes:
+        without: (s,) the vote that each does without, AGREED for none, EARLIER for one that is over.
+        low: (s,) first heading [rad].
+        high: (s,) last one, not before the first [rad].
+        reach: (s, COUNT) supports of the polygon around the positions [m].
+    """
+
+    without: Integers
+    low: Array
+    high: Array
+    reach: Array
+
+    def __post_init__(self) -> None:
+        for column in fields(self):
+            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
+
+    def __len__(self) -> int:
+        return len(self.without)
+
+    @classmethod
+    def agreed(cls, reach: Array, low: float = -np.pi, high: float = np.pi) -> Hypotheses:
+        """Return one agreed slice: a polygon by its supports (COUNT,) [m], any heading from low to high [rad]."""
+        return cls(np.array([AGREED]), np.array([low]), np.array([high]), reach.reshape(1, COUNT).copy())
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Hypotheses]) -> Hypotheses:
+        """Return the slices of all parts."""
+        return cls(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(cls)))
+
+    def select(self, rows: Integers | Mask) -> Hypotheses:
+        """Return some slices."""
+        return Hypotheses(self.without[rows], self.low[rows], self.high[rows], self.reach[rows])
+
+    def renamed(self, without: int, rows: Mask | None = None) -> Hypotheses:
+        """Return the same slices, all or some of them as ones that do without this vote."""
+        names = np.full(len(self), without) if rows is None else np.where(rows, without, self.without)
+        return replace(self, without=names)
+
+    def cut(self, cut: Cut) -> Hypotheses:
+        """Return what a cut leaves of the slices."""
+        low, high, reach = self.low.copy(), self.high.copy(), self.reach.copy()
+        left = cut(low, high, reach)
+        return Hypotheses(self.without[left], low[left], high[left], reach[left])
+
+    def cut_anew(self, cells: int) -> Hypotheses:
+        """Return a set around this one on a grid of headings with so many cells in a circle, one vote apart from the other."""
+        names, group = np.unique(self.without, return_inverse=True)
+        which, low, high, reach = regrid(group, self.low, self.high, self.reach, cells)
+        return Hypotheses(names[which], low, high, reach)
+
+    def stretched(self, cells: int) -> bool:
+        """Return whether the slices have become wide."""
+        width, cell = self.high - self.low, 2 * np.pi / cells
+        return bool(width.mean() > STRETCHED * cell or width.max() > 2 * STRETCHED * cell)
+
+    def hull(self) -> Array:
+        """Return (COUNT,) supports of the polygon around all positions [m]."""
+        return np.asarray(self.reach.max(axis=0))
+
+    def heading(self) -> tuple[float, float]:
+        """Return centre and bound of the narrowest arc around all headings [rad]."""
+        turns = np.floor(self.low / (2 * np.pi)) * 2 * np.pi
+        low, high = self.low - turns, self.high - turns
+        low, high = np.append(low - 2 * np.pi, low), np.append(high - 2 * np.pi, high)  # the circle twice
+        order, count = np.argsort(low), len(self)
+        lows, ends = low[order], np.maximum.accumulate(high[order])
+        gaps = lows[count:] - ends[count - 1 : -1]  # those in front of the second circle's slices: all are behind them once
+        widest = int(np.argmax(gaps))
+        if gaps[widest] <= 0:
+            return 0.0, np.pi
+        begin, end = lows[count + widest], ends[count - 1 + widest] + 2 * np.pi
+        return float((begin + end) / 2), float((end - begin) / 2 + 1e-12)
+
+
+def polygon_of(reach: Array) -> Polygon:
+    """Return the polygon with these supports (COUNT,) [m].
+
+    Raises:
+        InvalidInput: They are those of no polygon.
+    """
+    lower, upper = -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]]
+    clipped = clip(DIRECTIONS, reach, lower, upper)
+    if clipped is None:
+        raise InvalidInput("supports of a polygon", reach.tolist())
+    return clipped[0]
+
+
+def reach_of(polygon: Polygon) -> Array:
+    """Return (COUNT,) supports of the smallest polygon of this kind around another one [m]."""
+    return polygon.support(DIRECTIONS)

@@ -1,0 +1,154 @@
+"""The robust filter: for robots without compass among landmarks, whose declared bounds break now and then."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from filter.arrays import Array, number, whole
+from filter.errors import InvalidInput
+from filter.geometry.angles import AngularIntervals
+from filter.geometry.polygon import Polygon
+from filter.measurements import Measurement, Odometry
+from filter.robust.belief import RobustBelief
+from filter.robust.camera_filter import Estimating
+from filter.robust.cameras import Alignment, Offsets
+from filter.robust.hypotheses import Hypotheses, reach_of
+from filter.robust.leaving import without_those_who_left
+from filter.robust.merging import Merging
+from filter.robust.sightings import FARTHEST, Sightings
+from filter.robust.slices import move, stay_within
+from filter.robust.trust import Suspicion, Trust
+from filter.robust.votes import Rules, Votes
+from filter.team import Team
+
+
+@dataclass(frozen=True, eq=False)
+class RobustFilter:
+    """Keeps a belief about a team that contains the truth although some measurements are wrong.
+
+    The guarantee: every robot is in its region if odometry keeps its bounds and, of the votes on it (see
+    `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong.
+
+    Attributes:
+        team: The robots, the landmarks and their limits.
+        rules: What is assumed of wrong measurements.
+        suspicion: When a camera or an identity is put aside.
+        alignment: When a camera is suspected to be turned or late.
+        cells: How many slices a full circle of headings has.
+
+    Raises:
+        InvalidInput: There are fewer than 8 cells, or a finite side of the arena or a landmark is beyond 1e6 m.
+    """
+
+    team: Team
+    rules: Rules = field(default_factory=Rules)
+    suspicion: Suspicion = field(default_factory=Suspicion)
+    alignment: Alignment = field(default_factory=Alignment)
+    cells: int = 72
+
+    def __post_init__(self) -> None:
+        whole("cells of the circle", self.cells, 8)
+        _near("landmarks", self.team.landmarks)
+        _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
+
+    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
+        """Return the belief before any measurement.
+
+        Args:
+            time: When [s].
+            positions: (n) a polygon around each robot.
+            headings: (n) arcs around the headings, or None when nothing is known.
+
+        Raises:
+            InvalidInput: The numbers of sets and robots differ, a set is empty, or beyond 1e6 m.
+        """
+        for polygon in positions:
+            _near("initial polygons", polygon.vertices)
+        robots, known = self.team.robots, self.team.initial_headings(positions, headings)
+        sets = tuple(
+            Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
+            for polygon, centre, bound in zip(positions, known.centre.tolist(), known.bound.tolist(), strict=True)
+        )
+        votes = Votes.none(robots, robots + len(self.team.landmarks), number("time [s]", time))
+        trust = Trust.full(robots, robots + len(self.team.landmarks), float(time))
+        offsets, never = Offsets.none(robots, float(time)), np.full(robots, -np.inf)
+        return RobustBelief(float(time), sets, votes, trust, offsets, -never, never, never)
+
+    def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
+        """Return the belief at a later time, after the robots have moved.
+
+        A robot that the odometry does not name can have moved within the team's limits. What would be outside the arena is left
+        out; if that shows that a bound was broken before, there is an event.
+
+        Raises:
+            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
+            InvalidInput: The odometry ends at another time, or names an unknown robot.
+        """
+        self.team.check_motion(belief.time, time, odometry)
+        moves = _moves(odometry, self.team, time - belief.time)
+        estimating = Estimating(belief.offsets, self.alignment)
+        estimating.move(moves, time - belief.time)
+        for robot in np.flatnonzero(belief.offsets.turned).tolist():  # its slices are of the camera's heading
+            distance, turn, aside = moves[robot]
+            moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
+        sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
+        after = replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
+        return without_those_who_left(after, self.rules, self.cells, self.arena)
+
+    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
+        """Return where in the arena a robot can be after a move; nothing is left if a bound was broken before."""
+        low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
+        move(low, high, reach, distance, turn, aside)
+        left = stay_within(reach, self.arena)
+        moved = Hypotheses(known.without, low, high, reach)
+        moved = moved if left.all() else moved.select(left)
+        return moved.cut_anew(self.cells) if len(moved) and moved.stretched(self.cells) else moved
+
+    def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
+        """Return the belief after merging measurements taken at its time.
+
+        Args:
+            belief: Stays as it is.
+            measurements: Records, in any order.
+
+        Raises:
+            OutOfOrder: A record is of another time than the belief.
+            InvalidInput: A record names an unknown robot or landmark.
+        """
+        records = self.team.checked(belief.time, measurements)
+        sightings = Sightings.of(records, self.team.robots)
+        merging = Merging(belief, self.team, self.rules, self.cells, self.arena)
+        merging.merge(sightings)
+        return merging.ended(sightings, self.suspicion, self.alignment)
+
+    @cached_property
+    def arena(self) -> Array:
+        """(COUNT,) supports of the arena, or of far more than any robot drives [m]."""
+        corners = np.clip(self.team.arena, -FARTHEST, FARTHEST)
+        return reach_of(Polygon.box(*corners))
+
+
+def _near(name: str, places: Array) -> None:
+    """Refuse places where the robust filter does not reach: what is endless to it would end before them."""
+    if (np.abs(places) > FARTHEST).any():
+        raise InvalidInput(
+            f"{name} within {FARTHEST:g} m of the origin (subtract one that is near)", f"{np.abs(places).max():g} m"
+        )
+
+
+def _moves(odometry: Odometry | None, team: Team, duration: float) -> list[tuple[Array, Array, Array]]:
+    """Return each robot's least and greatest path and turn, and the bound of its direction and its slip."""
+    free = np.zeros(2), np.array([-1.0, 1.0]) * team.turn_rate_limit * duration, np.array([0.0, team.speed_limit * duration])
+    moves = [free] * team.robots
+    if odometry is not None:
+        both = np.array([-1.0, 1.0])
+        distance = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
+        turn = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
+        aside = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
+        for k, robot in enumerate(odometry.robot.tolist()):
+            moves[robot] = distance[k], turn[k], aside[k]
+    return moves

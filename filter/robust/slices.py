@@ -1,0 +1,265 @@
+"""Sets of poses cut into slices of heading: arcs with a polygon each, and the compiled arithmetic on them.
+
+A wide heading is coupled to the position: where the heading is, say, 10 degrees, a landmark's bearing puts the robot here;
+where it is 30 degrees, over there. So a set of poses is covered by slices, each the product of a narrow arc and of the
+polygon of positions that go with it (the subpavings of interval analysis; Jaulin et al., Applied Interval Analysis, 2001).
+
+All polygons have edges in the same directions and are given by their supports: how far they reach in each. Then the hull of
+two polygons is the greater of their supports, the sum of two sets is the sum of them, and all slices are one array. What is cut
+by other half-planes is replaced by the smallest such polygon around it. Every operation errs outward, rounding included.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
+from filter.geometry.angles import ROUNDING
+from filter.geometry.convex import EPSILON, cut_box, span_of
+
+COUNT = 24  # directions; 15 degrees between two cost 1 to 2 % of a polygon's area
+QUARTER = COUNT // 4
+
+
+def _directions() -> Array:
+    angles = 2 * np.pi * np.arange(COUNT) / COUNT
+    vectors = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    vectors[np.abs(vectors) < EPSILON] = 0.0  # the four along the axes are exact
+    return vectors
+
+
+DIRECTIONS = _directions()
+# A sector wider than this, almost a half-plane, says nothing that the disc does not say [rad].
+WIDEST = 1.5
+TANGENT_SPACING = np.pi / 12  # [rad]
+HAIR = 1e-6  # of a cell
+
+
+@compiled
+def sector_supports(centre: float, bound: float, nearest: float, farthest: float) -> Array:
+    """Return (COUNT,) supports of the trapezoid around a sector, or of the disc where that reaches less far [m].
+
+    Args:
+        centre: Middle direction of the sector [rad].
+        bound: Its half-width; from `WIDEST` on it is a disc [rad].
+        nearest: Inner radius [m].
+        farthest: Outer radius [m].
+    """
+    outward = farthest * (1 + 64 * EPSILON)
+    supports = np.full(COUNT, outward)
+    if bound >= WIDEST:
+        return supports
+    x, y, slope = np.cos(centre), np.sin(centre), np.tan(bound)
+    near, rounding = nearest * np.cos(bound), 64 * EPSILON * (1 + slope) * farthest
+    for m in range(COUNT):
+        side = DIRECTIONS[m, 0] * x + DIRECTIONS[m, 1] * y + slope * abs(DIRECTIONS[m, 1] * x - DIRECTIONS[m, 0] * y)
+        supports[m] = min(outward, (side * farthest if side > 0 else side * near) + rounding)
+    return supports
+
+
+@compiled
+def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, aside: Array) -> None:
+    """Move slices by one robot's odometry, in place: the trapezoid of each slice's own arc is added, its arc turned.
+
+    Args:
+        low: (s,) first heading of each slice [rad].
+        high: (s,) last one [rad].
+        reach: (s, COUNT) supports of their polygons [m].
+        distance: (2,) least and greatest path, negative backwards [m].
+        turn: (2,) least and greatest turn [rad].
+        aside: (2,) bound of the motion's direction [rad], radius of the disc of slip [m].
+    """
+    bend = min(np.pi / 2, max(abs(turn[0]), abs(turn[1])) / 2 + aside[0])
+    wide = (turn[1] - turn[0]) / 4 + aside[0] + ROUNDING
+    if max(abs(turn[0]), abs(turn[1])) >= 2 * np.pi:
+        wide = np.pi  # the way back can be the shortest
+    chord = np.cos(bend)
+    for k in range(len(low)):
+        centre, bound = (low[k] + high[k] + (turn[0] + turn[1]) / 2) / 2, (high[k] - low[k]) / 2 + wide
+        if distance[0] >= 0:
+            step = sector_supports(centre, bound, distance[0] * chord, distance[1])
+        else:
+            step = sector_supports(centre + np.pi, bound, max(0.0, -distance[1]) * chord, -distance[0])
+            if distance[1] >= 0:
+                step = np.maximum(step, sector_supports(centre, bound, 0.0, distance[1]))
+        for m in range(COUNT):
+            reach[k, m] += step[m] + aside[1] + 4 * EPSILON * abs(reach[k, m])
+        low[k] += turn[0] - ROUNDING * (1 + abs(low[k]))
+        high[k] += turn[1] + ROUNDING * (1 + abs(high[k]))
+
+
+@compiled
+def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]:
+    """Cut one polygon by half-planes, in place.
+
+    Args:
+        reach: (COUNT,) supports, afterwards those of the smallest polygon around what is left [m].
+        normals: (k, 2) of length 1.
+        offsets: (k,) [m].
+
+    Returns:
+        The vertices of what is left, and how far outward they can be short of it [m]. No vertex proves that it is empty.
+    """
+    lower = np.array([-reach[2 * QUARTER], -reach[3 * QUARTER]])
+    upper = np.array([reach[0], reach[QUARTER]])
+    if lower[0] > upper[0] or lower[1] > upper[1]:
+        return np.empty((0, 2)), 0.0
+    vertices, _, margin = cut_box(np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets)), lower, upper)
+    for m in range(COUNT if len(vertices) else 0):
+        farthest = -np.inf
+        for k in range(len(vertices)):
+            farthest = max(farthest, DIRECTIONS[m, 0] * vertices[k, 0] + DIRECTIONS[m, 1] * vertices[k, 1])
+        reach[m] = min(reach[m], farthest + 2 * margin)
+    return vertices, margin
+
+
+@compiled
+def _narrow(low: Array, high: Array, k: int, centre: float, bound: float) -> bool:
+    """Cut a slice's arc down to what it shares with another arc, in place; return whether there is anything."""
+    middle, half = (low[k] + high[k]) / 2, (high[k] - low[k]) / 2
+    if half + bound >= np.pi - 1e-9:  # they can meet at both ends
+        return True
+    offset = centre - middle
+    offset -= 2 * np.pi * np.round(offset / (2 * np.pi))
+    slack = ROUNDING * (1 + abs(centre) + abs(middle))
+    low[k], high[k] = max(low[k], middle + offset - bound - slack), min(high[k], middle + offset + bound + slack)
+    return low[k] <= high[k]
+
+
+@compiled
+def narrow(low: Array, high: Array, centre: float, bound: float) -> Mask:
+    """Cut the arcs of slices down to one arc, in place; return which slices are left."""
+    left = np.ones(len(low), dtype=np.bool_)
+    for k in range(len(low)):
+        left[k] = _narrow(low, high, k, centre, bound)
+    return left
+
+
+@compiled
+def _sector_rows(place: Array, centre: float, bound: float, nearest: float, farthest: float) -> tuple[Array, Array]:
+    """Return half-planes around all x from which a place is in a sector: tangents of its far side, sides, near chord."""
+    tangents = max(1, int(np.ceil(2 * min(bound, np.pi) / TANGENT_SPACING)))
+    sector = bound < WIDEST
+    angles = np.empty(tangents + 3)
+    shifts = np.empty(tangents + 3)
+    for k in range(tangents):
+        angles[k] = centre + min(bound, np.pi) * ((2 * k + 1) / tangents - 1) + np.pi
+        shifts[k] = farthest
+    count = tangents
+    if sector:
+        angles[count], shifts[count] = centre - bound + np.pi / 2, 0.0
+        angles[count + 1], shifts[count + 1] = centre + bound - np.pi / 2, 0.0
+        angles[count + 2], shifts[count + 2] = centre, -nearest * np.cos(bound)
+        count += 3
+    normals, offsets = np.empty((count, 2)), np.empty(count)
+    for k in range(count):
+        normals[k, 0], normals[k, 1] = np.cos(angles[k]), np.sin(angles[k])
+        rounding = 64 * EPSILON * (abs(place[0]) + abs(place[1]) + farthest)
+        offsets[k] = normals[k, 0] * place[0] + normals[k, 1] * place[1] + shifts[k] + rounding
+    return normals, offsets
+
+
+@compiled
+def see_place(low: Array, high: Array, reach: Array, place: Array, sector: Array) -> Mask:
+    """Cut slices down to the poses from which a known place (2,) is seen in a sector, in place; return which are left.
+
+    Args:
+        low: (s,) [rad].
+        high: (s,) [rad].
+        reach: (s, COUNT) [m].
+        place: (2,) [m].
+        sector: (4,) bearing in the robot's frame and its bound [rad], least and greatest range [m].
+    """
+    left = np.ones(len(low), dtype=np.bool_)
+    for k in range(len(low)):
+        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        normals, offsets = _sector_rows(place, centre, bound, sector[2], sector[3])
+        vertices, margin = tighten(reach[k], normals, offsets)
+        left[k] = len(vertices) > 0
+        if left[k] and sector[1] < np.pi / 2:
+            middle, half = span_of(place - vertices, margin + 4 * EPSILON * np.abs(place).max())
+            left[k] = half >= np.pi / 2 or _narrow(low, high, k, middle - sector[0], half + sector[1])
+    return left
+
+
+@compiled
+def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) -> Mask:
+    """Cut slices down to the poses from which a body is seen in a sector, in place; return which are left.
+
+    With d in the sector, x = x_body - d: the sum of the body's polygon, by its supports (COUNT,), and the sector turned round.
+    """
+    left = np.ones(len(low), dtype=np.bool_)
+    rows, bare = np.empty((0, 2)), np.empty(0)
+    apart = np.empty(COUNT)
+    for k in range(len(low)):
+        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        supports = sector_supports(centre + np.pi, bound, sector[2], sector[3])
+        for m in range(COUNT):
+            reach[k, m] = min(reach[k, m], body[m] + supports[m] + 4 * EPSILON * abs(body[m]))
+        left[k] = len(tighten(reach[k], rows, bare)[0]) > 0
+        if left[k] and sector[1] < np.pi / 2:
+            for m in range(COUNT):
+                apart[m] = body[m] + reach[k, (m + 2 * QUARTER) % COUNT] + 4 * EPSILON * abs(body[m])
+            vertices, margin = tighten(apart, rows, bare)
+            if len(vertices):
+                middle, half = span_of(vertices, margin)
+                left[k] = half >= np.pi / 2 or _narrow(low, high, k, middle - sector[0], half + sector[1])
+    return left
+
+
+@compiled
+def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
+    """Return (COUNT,) supports around every place that is in the sector of a pose of these slices [m]."""
+    farthest = np.full(COUNT, -np.inf)
+    for k in range(len(low)):
+        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        supports = sector_supports(centre, bound, sector[2], sector[3])
+        for m in range(COUNT):
+            farthest[m] = max(farthest[m], reach[k, m] + supports[m] + 4 * EPSILON * abs(reach[k, m]))
+    return farthest
+
+
+@compiled
+def stay_within(reach: Array, body: Array) -> Mask:
+    """Cut slices down to a polygon given by its supports (COUNT,), in place; return which are left."""
+    left = np.ones(len(reach), dtype=np.bool_)
+    rows, bare = np.empty((0, 2)), np.empty(0)
+    for k in range(len(reach)):
+        if (reach[k] > body).any():
+            reach[k] = np.minimum(reach[k], body)
+            left[k] = len(tighten(reach[k], rows, bare)[0]) > 0
+    return left
+
+
+@compiled
+def regrid(group: Integers, low: Array, high: Array, reach: Array, cells: int) -> tuple[Integers, Array, Array, Array]:
+    """Sort slices into the cells of a grid of headings: in each group at most one slice a cell, the hull of what is in it.
+
+    Args:
+        group: (s,) slices of different groups are not put together; numbers from 0 on.
+        low: (s,) [rad].
+        high: (s,) [rad].
+        reach: (s, COUNT) [m].
+        cells: In a full circle.
+
+    Returns:
+        The same for the slices of the grid, ordered by group and cell.
+    """
+    groups, width, turn = group.max() + 1, 2 * np.pi / cells, 2 * np.pi
+    first, last = np.full((groups, cells), np.inf), np.full((groups, cells), -np.inf)
+    farthest = np.full((groups, cells, COUNT), -np.inf)
+    for k in range(len(low)):
+        # What is a hair over an edge stays with its cell, or neighbours would be put together again and again.
+        top = min(high[k], low[k] + turn)
+        begin = int(np.floor(low[k] / width + HAIR))
+        end = max(begin, int(np.ceil(top / width - HAIR)) - 1)
+        for cell in range(begin, end + 1):
+            m, g = cell % cells, group[k]
+            away = turn * ((cell - m) // cells)
+            slack = ROUNDING * (1 + abs(away))
+            first[g, m] = min(first[g, m], (low[k] if cell == begin else cell * width) - away - slack)
+            last[g, m] = max(last[g, m], (top if cell == end else (cell + 1) * width) - away + slack)
+            farthest[g, m] = np.maximum(farthest[g, m], reach[k])
+    some = np.flatnonzero((first <= last).ravel())
+    return some // cells, first.ravel()[some], last.ravel()[some], farthest.reshape(-1, COUNT)[some]

@@ -1,0 +1,146 @@
+"""Which sensor is guilty: cameras and identities that are contradicted again and again are put aside until they agree.
+
+A wrong vote here and there is what voting is for (`filter.robust.votes`). A camera that is turned, or a robot that wears
+another's barcode, is wrong all the time. Each sighting has two suspects: the camera that took it and the identity that it
+names. The one with the larger share of contradicted sightings is put aside; what it says is then judged but not merged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from filter.arrays import Array, Mask, number, read_only
+from filter.errors import InvalidInput
+
+
+@dataclass(frozen=True)
+class Suspicion:
+    """When a sensor is put aside.
+
+    Attributes:
+        memory: Sightings count less with their age, by 1/e in this time [s].
+        repeat: A sighting of a pair that was seen less long ago than this counts by that share only [s].
+        strikes: So many contradicted sightings, and ...
+        share: ... this share of all make a sensor be put aside; in (0, 1).
+        mercy: Below so many, and below half the share, it is trusted again.
+
+    Raises:
+        InvalidInput: A value is out of its range.
+    """
+
+    memory: float = 30.0
+    repeat: float = 1.5
+    strikes: float = 3.0
+    share: float = 0.4
+    mercy: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("memory", "repeat", "strikes", "mercy"):
+            if number(name, getattr(self, name), 0) == 0:
+                raise InvalidInput(f"{name}: above 0", 0)
+        number("share", self.share, np.nextafter(0, 1), np.nextafter(1, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Trust:
+    """The record of every pair of n cameras and b bodies, and which sensors are put aside.
+
+    Attributes:
+        time: When [s].
+        last: (n, b) when each camera last saw each body [s], -inf for never.
+        seen: (n, b) sightings, by weight.
+        struck: (n, b) those that were contradicted, by weight.
+        streak: (n, b) those since the last that agreed, by weight.
+        since: (n, b) when the first was contradicted after the last that agreed [s], inf where the last one agreed.
+        camera: (n,) cameras that are put aside.
+        identity: (b,) bodies whose identity is.
+    """
+
+    time: float
+    last: Array
+    seen: Array
+    struck: Array
+    streak: Array
+    since: Array
+    camera: Mask
+    identity: Mask
+
+    def __post_init__(self) -> None:
+        for column in fields(self):
+            if column.name != "time":
+                object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
+
+    @classmethod
+    def full(cls, robots: int, bodies: int, time: float) -> Trust:
+        """Return full trust: nothing was seen yet."""
+        never, none = np.full((robots, bodies), -np.inf), np.zeros((robots, bodies))
+        return cls(
+            time, never, none, none.copy(), none.copy(), -never, np.zeros(robots, dtype=bool), np.zeros(bodies, dtype=bool)
+        )
+
+    def aside(self, robot: int, target: int) -> bool:
+        """Return whether sightings of this pair are not to be merged."""
+        return bool(self.camera[robot] or self.identity[target])
+
+    def judged(self, time: float, sightings: list[tuple[int, int, bool]], rules: Suspicion) -> Trust:
+        """Return the trust after sightings at one time: robot, target, and whether it was contradicted."""
+        fade = np.exp(-(time - self.time) / rules.memory)
+        seen, struck, streak = self.seen * fade, self.struck * fade, self.streak * fade
+        last, since = self.last.copy(), self.since.copy()
+        for robot, target, contradicted in sightings:
+            weight = min(1.0, (time - last[robot, target]) / rules.repeat)
+            last[robot, target] = time
+            seen[robot, target] += weight
+            struck[robot, target] += weight * contradicted
+            streak[robot, target] = streak[robot, target] + weight if contradicted else 0.0
+            since[robot, target] = min(since[robot, target], time) if contradicted else np.inf
+        lately = np.where(streak > 0, streak, seen * (last > since.min(axis=0)))
+        camera, identity = _guilty((seen, struck), (lately, streak), (self.camera, self.identity), rules)
+        return Trust(time, last, seen, struck, streak, since, camera, identity)
+
+    def charges(self, sensor: str, body: int) -> tuple[float, tuple[int, ...]]:
+        """Return since when a "camera" or an "identity" is contradicted [s], and the other ends of the pairs that say so."""
+        since = self.since[body] if sensor == "camera" else self.since[:, body]
+        return float(since.min()), tuple(np.flatnonzero(np.isfinite(since)).tolist())
+
+
+def _guilty(
+    all_: tuple[Array, Array], lately: tuple[Array, Array], aside: tuple[Mask, Mask], rules: Suspicion
+) -> tuple[Mask, Mask]:
+    """Return which sensors are put aside from now on: first those are trusted again that agree, then the guiltiest go.
+
+    Barcodes are exchanged from one moment to the next, so that an identity is judged by what was seen since it was first
+    contradicted without agreeing again. A camera is not: a robot that is lost contradicts everything at once.
+
+    Args:
+        all_: (n, b) weight of all sightings and of those that were contradicted, ...
+        lately: ... and since then, with those that agree.
+        aside: (n,) cameras and (b,) identities that are put aside so far.
+        rules: When they are.
+    """
+    seen, struck = all_
+    camera, identity = (
+        sensors & ((struck.sum(axis) >= rules.mercy) | (struck.sum(axis) >= rules.share / 2 * seen.sum(axis)))
+        for sensors, axis in zip(aside, (1, 0), strict=True)
+    )
+    while True:
+        # What is laid to the charge of one that is put aside does not count against the other.
+        counts = ~(camera[:, None] | identity)
+        cameras, cameras_share = _charges(seen * counts, struck * counts, 1, rules)
+        identities, identities_share = _charges(lately[0] * counts, lately[1] * counts, 0, rules)
+        if not (cameras.any() or identities.any()):
+            return camera, identity
+        if cameras_share.max() > identities_share.max():
+            camera[int(np.argmax(cameras_share))] = True
+        else:
+            identity[int(np.argmax(identities_share))] = True
+
+
+def _charges(seen: Array, struck: Array, axis: int, rules: Suspicion) -> tuple[Mask, Array]:
+    """Return who is charged with enough to be put aside, and with which share of its sightings (0 for those that are not)."""
+    strikes, all_ = struck.sum(axis=axis), seen.sum(axis=axis)
+    share = strikes / np.maximum(all_, 1e-300)
+    charged = (strikes >= rules.strikes) & (share >= rules.share)
+    return charged, np.where(charged, share, 0.0)

@@ -1,0 +1,88 @@
+"""Where each robot is, and why: the regions of a team, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import overload
+
+import numpy as np
+
+from filter.arrays import Array, Integers, Mask, read_only
+from filter.geometry.polygon import Polygon
+from filter.geometry.polygons import Polygons
+from filter.projection.polygons_of import Reason, performance_ratio
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Where one robot is.
+
+    Attributes:
+        outer: Contains the robot, as long as every declared bound holds.
+        inner: Every point of it is possible; None when nothing is known from inside (after a prediction, say).
+        searches: How many directions were searched, or how many edges of the exact projection were kept.
+        reason: What decided that (see `Projection`), or None when nothing was projected.
+        causes: For each edge of the outer polygon the numbers of its sources in the belief's table; for a side of
+            the box what the box comes from.
+    """
+
+    outer: Polygon
+    inner: Polygon | None
+    searches: int
+    reason: Reason | None
+    causes: tuple[Integers, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "causes", tuple(map(read_only, self.causes)))
+
+    @property
+    def performance_ratio(self) -> float:
+        """Area inside over area outside (eq. 7), in [0, 1]; 0 without an inner polygon."""
+        return performance_ratio(self.inner, self.outer)
+
+
+@dataclass(frozen=True, eq=False)
+class Regions(Sequence[Region]):
+    """Where each of n robots is; one of them is a `Region`.
+
+    Attributes:
+        outer: (n) polygons that contain the robots, as long as every declared bound holds.
+        inner: (n) polygons or None.
+        searches: (n,)
+        reasons: (n) see `Region`.
+        cause: (m,) the numbers of the edges' sources in the belief's table, with repetitions.
+        cause_first: (e + 1,) where those of each edge of the outer polygons begin.
+    """
+
+    outer: Polygons
+    inner: tuple[Polygon | None, ...]
+    searches: Integers
+    reasons: tuple[Reason | None, ...]
+    cause: Integers
+    cause_first: Integers
+
+    def __post_init__(self) -> None:
+        for name in ("searches", "cause", "cause_first"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def __len__(self) -> int:
+        return len(self.outer)
+
+    @overload
+    def __getitem__(self, index: int) -> Region: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Region]: ...
+
+    def __getitem__(self, index: int | slice) -> Region | list[Region]:
+        if isinstance(index, slice):
+            return [self[k] for k in range(*index.indices(len(self)))]
+        k = range(len(self))[index]
+        edges = range(self.outer.first[k], self.outer.first[k + 1])
+        causes = tuple(np.unique(self.cause[self.cause_first[edge] : self.cause_first[edge + 1]]) for edge in edges)
+        return Region(self.outer[k], self.inner[k], int(self.searches[k]), self.reasons[k], causes)
+
+    def contains(self, positions: Array) -> Mask:
+        """Return (n,) whether each outer polygon contains its own of (n, 2) positions [m]."""
+        return self.outer.contains(positions)

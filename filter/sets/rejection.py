@@ -1,0 +1,113 @@
+"""When measurements disagree: which to drop, so that the rest agree again. Never silently: each one is an event."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from filter.errors import Inconsistent
+from filter.measurements import Compass, Measurement, field_names
+from filter.sets.belief import Belief, Rejected, Source
+
+# So many sets of measurements are tried before the search for the fewest is given up.
+TRIES = 64
+
+Merge = Callable[[tuple[Measurement, ...]], Belief]
+Reading = tuple[int, int]  # of which record, in which place of it
+Dropped = dict[Reading, tuple[Source, ...]]  # with the conflict in which it was dropped
+
+
+def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
+    """Merge measurements but those that have to go for the rest to agree; the belief's events say which, and why.
+
+    Args:
+        merge: Merges measurements of one time, or raises `Inconsistent`.
+        measurements: All of one time; the later one counts as the newer.
+
+    Raises:
+        Inconsistent: There is a conflict with none of these measurements in it: nothing can be dropped.
+
+    Algorithm:
+        At least one measurement of every conflict has to go. So, breadth first, each of a conflict's measurements is
+        dropped in its turn, the newest first, then each of the next conflict's that this leaves, until none is left
+        (the hitting sets of Reiter, A theory of diagnosis from first principles, 1987). What is found first is the
+        fewest of those that the conflicts name. Where so much is wrong that this takes too long, the newest of each
+        conflict goes until the rest agree; then each is put back that need not have gone.
+    """
+    return _Rejection(merge, measurements).run()
+
+
+def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
+    """Return every single measurement, in order, as a source."""
+    found = {}
+    for k, record in enumerate(measurements):
+        targets = [None] * len(record.robot) if isinstance(record, Compass) else record.target.tolist()
+        for place, (robot, target) in enumerate(zip(record.robot.tolist(), targets, strict=True)):
+            found[k, place] = Source(type(record).__name__.lower(), record.time, robot, target)
+    return found
+
+
+def without(measurements: Sequence[Measurement], dropped: Dropped) -> tuple[Measurement, ...]:
+    """Return the records with some single measurements left out."""
+    left = []
+    for k, record in enumerate(measurements):
+        keep = np.array([(k, place) not in dropped for place in range(len(record.robot))], dtype=bool)
+        columns = {name: getattr(record, name)[keep] for name in field_names(record)}
+        left.append(record if keep.all() else replace(record, **columns))
+    return tuple(left)
+
+
+class _Rejection:
+    def __init__(self, merge: Merge, measurements: Sequence[Measurement]) -> None:
+        self._merge, self._measurements = merge, measurements
+        self._single = single(measurements)
+
+    def run(self) -> Belief:
+        waiting: deque[Dropped] = deque([{}])
+        seen: set[frozenset[Reading]] = set()
+        for _ in range(TRIES):
+            dropped = waiting.popleft()
+            found = self._tried(dropped)
+            if isinstance(found, Belief):
+                return found
+            for candidate in self._candidates(found, dropped):
+                more = dropped | {candidate: found.sources}
+                if frozenset(more) not in seen:
+                    seen.add(frozenset(more))
+                    waiting.append(more)
+            if not waiting:
+                raise Inconsistent("no measurement of this update is in the conflict, to be dropped", found.sources) from found
+        return self._greedy()
+
+    def _greedy(self) -> Belief:
+        dropped: Dropped = {}
+        while not isinstance(found := self._tried(dropped), Belief):
+            candidates = self._candidates(found, dropped)
+            if not candidates:
+                raise Inconsistent("no measurement of this update is in the conflict, to be dropped", found.sources) from found
+            dropped = dropped | {candidates[0]: found.sources}
+        for reading in sorted(dropped):
+            fewer = {other: conflict for other, conflict in dropped.items() if other != reading}
+            again = self._tried(fewer)
+            if isinstance(again, Belief):
+                found, dropped = again, fewer
+        return found
+
+    def _tried(self, dropped: Dropped) -> Belief | Inconsistent:
+        try:
+            belief = self._merge(without(self._measurements, dropped))
+        except Inconsistent as error:
+            return error
+        events = tuple(Rejected(self._single[reading], dropped[reading]) for reading in sorted(dropped))
+        return replace(belief, events=events + belief.events)
+
+    def _candidates(self, conflict: Inconsistent, dropped: Dropped) -> list[Reading]:
+        """Return what is left of the conflict's measurements, the newest first, and of the compasses that they rest on."""
+        left = [(reading, source) for reading, source in reversed(self._single.items()) if reading not in dropped]
+        named = [(reading, source) for reading, source in left if source in conflict.sources]
+        rest_on = {source.robot for _, source in named if source.kind != "compass"}
+        compasses = [reading for reading, source in left if source.kind == "compass" and source.robot in rest_on]
+        return list(dict.fromkeys([reading for reading, _ in named] + compasses))

@@ -1,0 +1,188 @@
+"""Who may import whom, in which order the filter reads, and how long a module or a folder may be."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("filter", "sim", "models", "experiments")
+LONGEST = 300
+FULLEST = 15
+# The filter's records: all that the simulator knows of it.
+RECORDS = {
+    "filter.measurements",
+    "filter.frame",
+    "filter.team",
+    "filter.geometry.angles",
+    "filter.arrays",
+    "filter.errors",
+}
+# No files, no clock, no randomness: what the filter may use besides numpy, scipy and the solvers.
+PLAIN = {
+    "__future__",
+    "abc",
+    "collections",
+    "dataclasses",
+    "enum",
+    "fractions",
+    "functools",
+    "itertools",
+    "math",
+    "operator",
+    "typing",
+}
+# What some modules of the filter may use besides.
+AND = {
+    "filter.compiled": {"numba", "hashlib", "pathlib"},
+    "filter.linear.solvers": {"piqp", "qpsolvers", "highspy"},
+    "filter.projection.team": {"concurrent", "os"},
+}
+# What some modules with compiled functions import for the others of their functions.
+NOT_IN_LOOPS = {"filter.projection.team": {"EXACT"}, "filter.sets.boxes": {"SIDES"}}
+MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
+
+
+def name_of(path):
+    """Return a module's full name; a package's is that of its folder."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+NAMES = {name_of(path): path for path in MODULES}
+
+
+def order_of(package):
+    """Return the full names of the filter's modules in the order in which its packages say they are read."""
+    said = ast.get_docstring(ast.parse((ROOT / package.replace(".", "/") / "__init__.py").read_text()))
+    listed = re.search(r"\border[^:]*: (.*?)\.$", said, re.DOTALL | re.MULTILINE).group(1)
+    names = []
+    for entry in re.split(r",\s+", listed):
+        names += order_of(f"{package}.{entry[:-1]}") if entry.endswith("/") else [f"{package}.{entry}"]
+    return names
+
+
+ORDER = order_of("filter")
+COMPILED = [name for name in ORDER if "\n@compiled\n" in NAMES[name].read_text()]
+
+
+def folder(path):
+    return path.relative_to(ROOT).parts[0]
+
+
+def imports(path):
+    """Return the full names that a module imports, with `from a import b` as a and, when b is a module of ours, a.b."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: imports are absolute"
+            modules = {f"{node.module}.{alias.name}" for alias in node.names}
+            ours = {name for name in modules if name in NAMES}
+            names |= ours or {node.module}
+    return names
+
+
+def top(name):
+    return name.split(".")[0]
+
+
+def of(name):
+    return [pytest.param(path, id=str(path.relative_to(ROOT))) for path in MODULES if folder(path) == name]
+
+
+def everyone():
+    return [pytest.param(path, id=str(path.relative_to(ROOT))) for path in MODULES]
+
+
+def test_there_are_modules_to_look_at():
+    assert {folder(path) for path in MODULES} == set(FOLDERS)
+
+
+def test_every_module_of_the_filter_has_its_place_in_the_order():
+    modules = [name for name, path in NAMES.items() if folder(path) == "filter" and path.stem != "__init__"]
+    assert sorted(ORDER) == sorted(modules)
+
+
+@pytest.mark.parametrize("path", of("filter"))
+def test_the_filter_stands_alone(path):
+    allowed = {"filter", "numpy", "scipy", *PLAIN} | AND.get(name_of(path), set())
+    assert {top(name) for name in imports(path)} <= allowed
+    assert not any(name.startswith("numpy.random") for name in imports(path))
+
+
+@pytest.mark.parametrize("path", of("filter"))
+def test_the_filter_has_no_files_and_no_randomness(path):
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            assert node.func.id not in ("open", "print", "input", "exec", "eval", "__import__")
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "np":
+            assert node.attr not in ("random", "save", "savez", "load", "savetxt", "loadtxt")
+
+
+@pytest.mark.parametrize("name", ORDER)
+def test_the_filter_reads_in_one_order(name):
+    before = set(ORDER[: ORDER.index(name)])
+    assert {other for other in imports(NAMES[name]) if top(other) == "filter"} <= before
+
+
+@pytest.mark.parametrize("name", COMPILED)
+def test_constants_of_what_is_compiled_are_from_there(name):
+    """They become a part of the compiled code, which is made anew when a module with compiled functions changes."""
+    for node in ast.walk(ast.parse(NAMES[name].read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("filter."):
+            constants = [alias.name for alias in node.names if alias.name.isupper()]
+            elsewhere = set(constants) - NOT_IN_LOOPS.get(name, set())
+            assert not elsewhere or node.module in COMPILED, elsewhere
+
+
+@pytest.mark.parametrize("path", of("sim"))
+def test_the_simulator_knows_the_filters_records_only(path):
+    ours = {name for name in imports(path) if top(name) in FOLDERS}
+    assert {name for name in ours if top(name) == "filter"} <= RECORDS
+    assert {top(name) for name in ours} <= {"filter", "sim", "models"}
+
+
+@pytest.mark.parametrize("path", of("models"))
+def test_models_know_nobody(path):
+    assert not {name for name in imports(path) if top(name) in FOLDERS and top(name) != "models"}
+
+
+@pytest.mark.parametrize("path", everyone())
+def test_solvers_physics_and_recording_are_in_their_places(path):
+    names = {top(name) for name in imports(path)}
+    name = name_of(path)
+    assert name == "filter.linear.solvers" or not names & {"piqp", "qpsolvers", "highspy"}
+    assert folder(path) == "sim" or "mujoco" not in names
+    assert name == "experiments.show.recording" or "rerun" not in names
+
+
+@pytest.mark.parametrize("path", [*everyone(), *(pytest.param(path, id=path.name) for path in TESTS)])
+def test_nobody_hides_the_builtin_filter(path):
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            assert not any(top(alias.name) == "filter" and alias.asname is None for alias in node.names)
+
+
+def test_there_is_no_package_of_tests_that_hides_what_is_tested():
+    assert not any((ROOT / "tests" / name).exists() for name in FOLDERS)
+    assert not list((ROOT / "tests").rglob("__init__.py"))
+
+
+@pytest.mark.parametrize("path", of("filter"))
+def test_no_module_of_the_filter_is_too_long(path):
+    assert len(path.read_text().splitlines()) <= LONGEST
+
+
+@pytest.mark.parametrize("place", ["filter", "sim", "models", "experiments", "tests"])
+def test_no_folder_is_too_full(place):
+    folders = {path.parent for path in (ROOT / place).rglob("*.py")} - {ROOT / "experiments"}
+    assert {str(each): len(list(each.glob("*.py"))) for each in folders if len(list(each.glob("*.py"))) > FULLEST} == {}
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "experiments").glob("[!_]*.py")), ids=lambda path: path.stem)
+def test_experiments_are_commands_and_their_parts_are_in_folders(path):
+    assert "\ndef main(" in path.read_text()

@@ -1,0 +1,88 @@
+"""Rows on single robots and on pairs: normal . (x_j - x_i) <= offset."""
+
+import numpy as np
+import pytest
+from helpers.worlds import exact_slack, unit
+from hypothesis import given
+from hypothesis import strategies as st
+
+from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
+
+
+def some_rows(rng, robots=5, count=12):
+    i, j = rng.integers(0, robots, count), rng.integers(0, robots, count)
+    j = np.where(i == j, (j + 1) % robots, j)
+    return Constraints.between(i, j, unit(rng.uniform(-np.pi, np.pi, count)), rng.normal(size=count), np.arange(count))
+
+
+def test_rows_on_pairs_in_either_order_say_the_same():
+    rng = np.random.default_rng(0)
+    i, j, normal, positions = np.array([3, 0]), np.array([1, 2]), unit(np.array([0.3, 2.0])), rng.normal(size=(4, 2))
+    rows = Constraints.between(i, j, normal, np.zeros(2), np.array([7, 8]))
+    assert (rows.i < rows.j).all()
+    said = (rows.normal * (positions[rows.j] - positions[rows.i])).sum(axis=1)
+    assert said.tolist() == (normal * (positions[j] - positions[i])).sum(axis=1).tolist()
+    assert rows.source.tolist() == [7, 8]
+
+
+def test_the_matrix_gives_what_each_row_says():
+    rng = np.random.default_rng(1)
+    pairs = some_rows(rng)
+    alone = Constraints.on_robot(4, unit(np.array([1.0, -2.0])), np.zeros(2), np.zeros(2, dtype=int))
+    rows = Constraints.concatenate([pairs, alone])
+    positions = rng.normal(size=(6, 2))
+    other = np.where((rows.i == WORLD)[:, None], 0.0, positions[rows.i])
+    assert rows.matrix(6) @ positions.ravel() == pytest.approx((rows.normal * (positions[rows.j] - other)).sum(axis=1))
+    assert rows.matrix(6).shape == (len(rows), 12)
+
+
+def test_no_rows_make_a_matrix_without_rows():
+    nothing = some_rows(np.random.default_rng(0)).select(np.zeros(0, dtype=int))
+    assert nothing.matrix(3).shape == (0, 6)
+    assert len(Constraints.concatenate([nothing, nothing])) == 0
+
+
+def test_rows_are_selected_by_index_and_by_mask():
+    rows = some_rows(np.random.default_rng(2))
+    chosen = np.array([3, 5])
+    assert rows.select(chosen).source.tolist() == [3, 5]
+    assert rows.select(rows.source > 9).source.tolist() == [10, 11]
+
+
+@given(st.floats(-1e9, 1e9), st.floats(-1e9, 1e9))
+def test_a_shift_never_ends_below_the_exact_sum(offset, by):
+    row = Constraints.on_robot(0, np.array([[1.0, 0.0]]), np.array([offset]), np.array([0])).shifted(np.array([by]))
+    assert exact_slack([1.0, 1.0], row.offset[0], [offset, by]) >= 0
+    assert row.offset[0] == pytest.approx(offset + by, abs=1e-14 * (abs(offset) + abs(by)))
+
+
+def test_rows_cannot_be_changed():
+    rows = some_rows(np.random.default_rng(3))
+    for name in ("i", "j", "normal", "offset", "source"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(rows, name)[0] = 0
+
+
+@pytest.mark.parametrize("far", [0.0, 1.0, 1e6])
+def test_the_allowance_of_a_row_covers_a_normal_that_is_off_by_rounding(far):
+    rng = np.random.default_rng(4)
+    lower, upper = far * rng.normal(size=(5, 2)), None
+    upper = lower + rng.uniform(0, 1, (5, 2))
+    rows = some_rows(rng)
+    allowed = rounding_of_rows(rows, lower, upper)
+    off = rows.normal * (1 + np.finfo(float).eps * rng.choice([-1, 1], rows.normal.shape))
+    for corner_i in (lower, upper):
+        for corner_j in (lower, upper):
+            difference = corner_j[rows.j] - corner_i[rows.i]
+            assert (np.abs(((off - rows.normal) * difference).sum(axis=1)) <= allowed).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_rows_of_a_pair_are_those_and_no_others(seed):
+    """Also of robots that have none, beyond the last robot that has some."""
+    rng = np.random.default_rng(seed)
+    rows = some_rows(rng, robots=int(rng.integers(2, 6)), count=int(rng.integers(0, 9)))
+    rows = Constraints.concatenate([rows, Constraints.on_robot(1, unit(np.array([0.5])), np.zeros(1), np.array([99]))])
+    for i in range(WORLD, 9):
+        for j in range(max(i, WORLD) + 1, 9):
+            assert sorted(rows.rows_of(i, j)) == np.flatnonzero((rows.i == i) & (rows.j == j)).tolist()

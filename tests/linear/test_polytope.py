@@ -1,0 +1,77 @@
+"""What the team's polytope says of one robot or one pair at a glance."""
+
+import numpy as np
+import pytest
+from helpers.worlds import NO_ROWS, of_pair, of_robot, unit
+
+from filter.linear.constraints import Constraints
+from filter.linear.polytope import Polytope
+
+
+def polytope(rng, robots=3, count=18):
+    """Return a polytope with a point inside, and the point (n, 2)."""
+    lower = rng.normal(size=(robots, 2))
+    upper = lower + rng.uniform(1, 2, (robots, 2))
+    inside = (lower + upper) / 2
+    i, j = rng.integers(0, robots, count), rng.integers(0, robots, count)
+    alone = i == j
+    rows = [
+        Constraints.between(
+            i[~alone], j[~alone], unit(rng.uniform(-3, 3, (~alone).sum())), np.zeros((~alone).sum()), np.flatnonzero(~alone)
+        ),
+        *(Constraints.on_robot(k, unit(rng.uniform(-3, 3, 2)), np.zeros(2), np.array([90, 91])) for k in range(robots)),
+    ]
+    rows = Constraints.concatenate(rows)
+    A = rows.matrix(robots)
+    return Polytope(rows.shifted(A @ inside.ravel() + rng.uniform(0, 0.3, len(rows))), lower, upper), inside
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_polygons_at_a_glance_contain_what_the_polytope_allows(seed):
+    rng = np.random.default_rng(seed)
+    team, inside = polytope(rng)
+    program = team.program()
+    points = inside + rng.normal(size=(500, 3, 2)) * rng.uniform(0, 1, (500, 1, 1))
+    allowed = points[program.holds(points.reshape(500, -1))]
+    assert len(allowed) > 5
+    for robot in range(3):
+        assert of_robot(team, robot)[0].contains(allowed[:, robot]).all()
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        assert of_pair(team, i, j)[0].contains(allowed[:, j] - allowed[:, i]).all()
+
+
+def test_edges_name_their_rows():
+    team, _ = polytope(np.random.default_rng(0))
+    for polygon, edges, wanted in ((*of_robot(team, 1), (-1, 1)), (*of_pair(team, 0, 2), (0, 2))):
+        for k in np.flatnonzero(edges >= 0):
+            row = edges[k]
+            assert (team.constraints.i[row], team.constraints.j[row]) == wanted
+            assert polygon.normals[k].tolist() == team.constraints.normal[row].tolist()
+            assert polygon.offsets[k] == team.constraints.offset[row]
+
+
+def test_rows_that_exclude_one_another_are_proved_to_leave_nothing():
+    rows = Constraints.on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-1.0, -1.0]), np.zeros(2, dtype=int))
+    assert Polytope(rows, np.full((1, 2), -2.0), np.full((1, 2), 2.0)).of_robots(np.array([0])).empty[0]
+
+
+def test_the_program_has_the_rows_and_the_box():
+    team, inside = polytope(np.random.default_rng(1))
+    program = team.program()
+    assert program.A.shape == (len(team.constraints), 6)
+    assert (program.lower.tolist(), program.upper.tolist()) == (team.lower.ravel().tolist(), team.upper.ravel().tolist())
+    assert program.holds(inside.reshape(1, -1))[0]
+
+
+def test_other_rows_go_into_the_same_box():
+    team, _ = polytope(np.random.default_rng(2))
+    other = team.with_constraints(NO_ROWS)
+    assert len(other.constraints) == 0
+    assert other.lower is team.lower
+
+
+def test_the_box_cannot_be_changed():
+    team, _ = polytope(np.random.default_rng(3))
+    for corner in (team.lower, team.upper):
+        with pytest.raises(ValueError, match="read-only"):
+            corner[0] = 0

@@ -8,16 +8,17 @@ from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, U
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.lag import FixedLag, Lagged
+from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
-from filter.projection.budget import Budget
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
-from filter.sets.belief import Belief, Event, Fallback, Proof, Rejected, Source
+from filter.sets.belief import Belief, Proof
+from filter.sets.events import Event, Fallback, Rejected
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

@@ -1,8 +1,9 @@
-"""Array types and the two checks that every record shares."""
+"""Array types, the base of records made of arrays, and the checks that every record shares."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +21,39 @@ def read_only(values: NDArray[Any]) -> NDArray[Any]:
     owned = values if values.flags.owndata else values.copy()
     owned.flags.writeable = False
     return owned
+
+
+class Frozen:
+    """Base of frozen dataclasses: the arrays among their fields are made read-only."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, name, read_only(value))
+
+
+class Table(Frozen):
+    """Base of frozen dataclasses whose fields are columns: arrays with one entry, or one row, for each of k things."""
+
+    @property
+    def columns(self) -> tuple[NDArray[Any], ...]:
+        """The columns, in the order of the fields."""
+        return tuple(getattr(self, name) for name in self.__dataclass_fields__)
+
+    def __len__(self) -> int:
+        return len(self.columns[0])
+
+    def select(self, index: Integers | Mask) -> Self:
+        """Return some of the entries, by index or mask."""
+        return type(self)(*(column[index] for column in self.columns))
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Self]) -> Self:
+        """Return the entries of all parts, in their order."""
+        return cls(*map(np.concatenate, zip(*(part.columns for part in parts), strict=True)))
 
 
 # Beyond this a product of two lengths can overflow; nothing a robot measures is near it.

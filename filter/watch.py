@@ -11,7 +11,8 @@ from filter.arrays import Array, Floats, finite, read_only
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import Polygon
-from filter.sets.belief import Belief, Source
+from filter.linear.sources import Source
+from filter.sets.belief import Belief
 
 # Edges whose normals are within this of the separating line's direction carry it alone [rad].
 PARALLEL = 1e-6

@@ -15,7 +15,7 @@ from filter.compiled import compiled
 from filter.errors import InvalidInput
 
 # One operation on angles of a few turns is off by a few units in the last place of 2 pi; this covers it many times.
-ROUNDING = 1e-14
+ANGLE_ROUNDING = 1e-14
 
 
 def wrap(angle: Floats) -> Array:
@@ -47,7 +47,7 @@ class AngularIntervals:
         except ValueError:
             raise InvalidInput("a centre and a bound for each arc", f"{centre.shape} and {bound.shape}") from None
         turns = np.abs(centre) > np.pi
-        outward = np.where(turns & (bound >= 0), bound + ROUNDING * np.abs(centre), bound)
+        outward = np.where(turns & (bound >= 0), bound + ANGLE_ROUNDING * np.abs(centre), bound)
         object.__setattr__(self, "centre", read_only(wrap(centre)))
         object.__setattr__(self, "bound", read_only(np.minimum(outward, np.pi)))
 
@@ -104,14 +104,16 @@ class AngularIntervals:
 
 
 @compiled
-def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> tuple[Array, Array]:
-    centres, bounds = np.empty(len(centre)), np.empty(len(centre))
+def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> Array:
+    """Return (2, k) centres and bounds."""
+    arcs = np.empty((2, len(centre)))
+    centres, bounds = arcs[0], arcs[1]
     for k in range(len(centre)):
         turned = centre[k] + by[k]
-        outward = ROUNDING * (1 + abs(by[k]) + abs(turned))
+        outward = ANGLE_ROUNDING * (1 + abs(by[k]) + abs(turned))
         centres[k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
         bounds[k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
-    return centres, bounds
+    return arcs
 
 
 @compiled
@@ -123,8 +125,8 @@ def intersection(centre: float, bound: float, other_centre: float, other_bound: 
     offset -= 2 * np.pi * np.round(offset / (2 * np.pi))
     low, high = np.inf, -np.inf
     for turn in range(-1, 2):  # the wider arc may reach into the narrower one from either side
-        piece_low = max(-bound, offset + 2 * np.pi * turn - other_bound - ROUNDING)
-        piece_high = min(bound, offset + 2 * np.pi * turn + other_bound + ROUNDING)
+        piece_low = max(-bound, offset + 2 * np.pi * turn - other_bound - ANGLE_ROUNDING)
+        piece_high = min(bound, offset + 2 * np.pi * turn + other_bound + ANGLE_ROUNDING)
         if piece_low <= piece_high:
             low, high = min(low, piece_low), max(high, piece_high)
     if low > high or bound < 0 or other_bound < 0:
@@ -132,12 +134,13 @@ def intersection(centre: float, bound: float, other_centre: float, other_bound: 
     if low <= -bound and high >= bound:
         return centre, bound
     middle = centre + (low + high) / 2
-    return middle - 2 * np.pi * np.ceil((middle - np.pi) / (2 * np.pi)), (high - low) / 2 + 2 * ROUNDING
+    return middle - 2 * np.pi * np.ceil((middle - np.pi) / (2 * np.pi)), (high - low) / 2 + 2 * ANGLE_ROUNDING
 
 
 @compiled
-def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound: Array) -> tuple[Array, Array]:
-    centres, bounds = np.empty(len(centre)), np.empty(len(centre))
+def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound: Array) -> Array:
+    """Return (2, k) centres and bounds."""
+    arcs = np.empty((2, len(centre)))
     for k in range(len(centre)):
-        centres[k], bounds[k] = intersection(centre[k], bound[k], other_centre[k], other_bound[k])
-    return centres, bounds
+        arcs[0, k], arcs[1, k] = intersection(centre[k], bound[k], other_centre[k], other_bound[k])
+    return arcs

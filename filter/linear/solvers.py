@@ -77,7 +77,7 @@ def name_of(solver: Solver) -> str:
     return solver if isinstance(solver, str) else getattr(solver, "__name__", type(solver).__name__)
 
 
-class Chain:
+class Workspaces:
     """Workspaces of several solvers for one program, each made when it is first asked for.
 
     Attributes:

@@ -9,11 +9,12 @@ import numpy as np
 
 from filter.arrays import Array, Mask, read_only
 from filter.geometry.angles import AngularIntervals
+from filter.linear.sources import Source
 from filter.robust.cameras import Offsets
 from filter.robust.hypotheses import Hypotheses, polygon_of
 from filter.robust.trust import Trust
 from filter.robust.votes import Votes
-from filter.sets.belief import Rejected, Source
+from filter.sets.events import Rejected
 from filter.sets.regions import Region
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from filter.arrays import Array, Mask, number, read_only, whole
 from filter.errors import InvalidInput
+from filter.linear.sources import Source
 from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
-from filter.sets.belief import Source
 
 # Merged with all others; or so that one of this window, this one or another, is proved wrong, and a new window begins; or not.
 Verdict = Literal["agreed", "contradicted", "rejected"]

@@ -1,16 +1,12 @@
 """Late measurements: merged as if they had come in order, bit for bit, or refused and counted."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from helpers.worlds import World
 
-from filter.errors import InvalidInput
-from filter.geometry.polygon import Polygon
-from filter.lag import FixedLag
-from filter.measurements import Odometry, Range
-from filter.robust.robust_filter import RobustFilter
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
+from filter import FixedLag, Frame, InvalidInput, Odometry, Polygon, Range, RobustFilter, SetMembershipFilter, Team, follow
 
 
 def motion(start, time):
@@ -36,10 +32,10 @@ def figures(belief):
 
 
 def in_order(filter_, belief, records):
-    for said in records:
-        time = said[0].time
-        belief = filter_.update(filter_.predict(belief, time, motion(belief.time, time)), said)
-    return belief
+    times = [belief.time, *(said[0].time for said in records)]
+    frames = [Frame(time, motion(before, time), said) for (before, time), said in zip(pairwise(times), records, strict=True)]
+    *_, step = follow(filter_, belief, frames)
+    return step.belief
 
 
 @pytest.mark.parametrize("kind", [RobustFilter, SetMembershipFilter])

@@ -75,8 +75,11 @@ def test_what_comes_too_late_is_refused_and_counted():
 
 
 def test_a_measurement_at_the_very_start_is_merged_there():
+    def unknown(start, time):
+        assert start < time, "nobody moves in no time"
+
     filter_ = RobustFilter(Team(1, [[2.0, 0.0]]))
-    lag = FixedLag(filter_, lambda start, time: None, 1.0)
+    lag = FixedLag(filter_, unknown, 1.0)
     begun = lag.begin(filter_.start(0.0, [Polygon.box([-1, -1], [1, 1])]))
     early = Range(0.0, 0, 1, 1.5, 0.1, 0.0)
     late = lag.merge(lag.merge(begun, [Range(0.5, 0, 1, 1.5, 0.6, 0.0)]), [early])

@@ -8,11 +8,11 @@ from n on, a landmark (see `Team`). The true error is within +- bound, always: a
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite, number, read_only, whole
+from filter.arrays import Array, Floats, Integers, finite, number, read_only, whole
 from filter.errors import InvalidInput
 
 
@@ -55,6 +55,10 @@ class Compass:
     heading: Array
     bound: Array
 
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats) -> None: ...
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", number("time [s]", self.time))
         _columns(
@@ -85,6 +89,10 @@ class Bearing:
     target: Integers
     bearing: Array
     bound: Array
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(self, time: float, robot: Floats, target: Floats, bearing: Floats, bound: Floats) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", number("time [s]", self.time))
@@ -120,6 +128,12 @@ class Range:
     range: Array
     bound: Array
     relative_bound: Array
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(
+            self, time: float, robot: Floats, target: Floats, range: Floats, bound: Floats, relative_bound: Floats
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", number("time [s]", self.time))
@@ -173,6 +187,21 @@ class Odometry:
     turn_bound: Array
     direction_bound: Array
     slip_bound: Array
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(
+            self,
+            start: float,
+            time: float,
+            robot: Floats,
+            distance: Floats,
+            distance_bound: Floats,
+            turn: Floats,
+            turn_bound: Floats,
+            direction_bound: Floats,
+            slip_bound: Floats,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", number("start [s]", self.start))

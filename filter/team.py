@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite, number, read_only
+from filter.arrays import Array, Floats, Integers, finite, number, read_only
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -34,6 +35,17 @@ class Team:
     speed_limit: float = 1.0
     turn_rate_limit: float = np.pi
     arena: Array = field(default_factory=lambda: np.array([[-np.inf] * 2, [np.inf] * 2]))
+
+    if TYPE_CHECKING:  # sequences are taken, arrays are kept
+
+        def __init__(
+            self,
+            robots: int,
+            landmarks: Floats = ...,
+            speed_limit: float = ...,
+            turn_rate_limit: float = ...,
+            arena: Floats = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         if not isinstance(self.robots, int | np.integer) or isinstance(self.robots, bool) or self.robots < 1:

@@ -104,14 +104,15 @@ class AngularIntervals:
 
 
 @compiled
-def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> tuple[Array, Array]:
-    centres, bounds = np.empty(len(centre)), np.empty(len(centre))
+def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> Array:
+    """Return centres and bounds (2, k) of turned arcs."""
+    arcs = np.empty((2, len(centre)))
     for k in range(len(centre)):
         turned = centre[k] + by[k]
         outward = ROUNDING * (1 + abs(by[k]) + abs(turned))
-        centres[k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
-        bounds[k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
-    return centres, bounds
+        arcs[0, k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
+        arcs[1, k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
+    return arcs
 
 
 @compiled
@@ -136,8 +137,9 @@ def intersection(centre: float, bound: float, other_centre: float, other_bound: 
 
 
 @compiled
-def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound: Array) -> tuple[Array, Array]:
-    centres, bounds = np.empty(len(centre)), np.empty(len(centre))
+def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound: Array) -> Array:
+    """Return centres and bounds (2, k) of what pairs of arcs have in common."""
+    arcs = np.empty((2, len(centre)))
     for k in range(len(centre)):
-        centres[k], bounds[k] = intersection(centre[k], bound[k], other_centre[k], other_bound[k])
-    return centres, bounds
+        arcs[0, k], arcs[1, k] = intersection(centre[k], bound[k], other_centre[k], other_bound[k])
+    return arcs

@@ -31,8 +31,14 @@ def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple
         and how far outward the vertices can be short of the polygon [m]. No vertex proves that the set is empty.
     """
     vertices, edges = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = cut_into((vertices, edges), (normals, offsets, np.arange(len(offsets))), lower, upper, room(len(offsets)))
+    size, margin = cut_box_into((vertices, edges), normals, offsets, lower, upper)
     return vertices[:size].copy(), edges[:size].copy(), margin
+
+
+@compiled
+def cut_box_into(into: tuple[Array, Integers], normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[int, float]:
+    """Do what `cut_box` does into vertices (k + 4, 2) and edges (k + 4,); return how many were written, and the margin."""
+    return cut_into(into, (normals, offsets, np.arange(len(offsets))), lower, upper, room(len(offsets)))
 
 
 Room = tuple[

@@ -13,7 +13,7 @@ import numpy as np
 
 from filter.arrays import Array, Floats, Integers, Mask, finite, read_only
 from filter.errors import InvalidInput
-from filter.geometry.convex import EPSILON, area_of, centroid_of, cut_box, hull_of
+from filter.geometry.convex import EPSILON, area_of, centroid_of, cut_box_into, hull_of
 
 # Sides of a box in the order of its edges: right, top, left, bottom.
 SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
@@ -136,9 +136,11 @@ def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Po
 
     It errs outward alone, also where it is thin or a point. None proves that nothing is left.
     """
-    vertices, edges, margin = cut_box(normals, offsets, lower, upper)
-    if not len(vertices):
+    vertices, edges = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
+    size, margin = cut_box_into((vertices, edges), normals, offsets, lower, upper)
+    if not size:
         return None
+    vertices, edges = vertices[:size], edges[:size].copy()
     everything = np.concatenate([normals, SIDES]), np.concatenate([offsets, upper, -lower])
     index = np.where(edges < 0, edges + 4 + len(normals), edges)
     return Polygon(everything[0][index], everything[1][index], vertices, margin), edges

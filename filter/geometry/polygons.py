@@ -153,35 +153,39 @@ def cut_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers, 
         lower: (g, 2) corners of the boxes [m].
         upper: (g, 2) corners of the boxes [m].
     """
-    outlines, edges, empty = _cut(normals, offsets, groups, lower, upper)
-    return Cuts(Polygons(*outlines), edges, empty)
+    _, begin, end = groups
+    count, most = len(begin), int((end - begin).sum()) + 5 * len(begin)
+    outward, reach, vertices, edges = np.empty((most, 2)), np.empty(most), np.empty((most, 2)), np.empty(most, dtype=np.int64)
+    margin, first, empty = np.empty(count), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool)
+    size = _cut((outward, reach, vertices, edges, margin, first, empty), (normals, offsets), groups, lower, upper)
+    return Cuts(Polygons(outward[:size], reach[:size], vertices[:size], margin, first), edges[:size].copy(), empty)
 
 
 @compiled
 def _cut(
-    normals: Array, offsets: Array, groups: tuple[Integers, Integers, Integers], lower: Array, upper: Array
-) -> tuple[tuple[Array, Array, Array, Array, Integers], Integers, Mask]:
-    order, begin, end = groups
-    count, most = len(begin), (end - begin).sum() + 5 * len(begin)
-    outward, reach, vertices = np.empty((most, 2)), np.empty(most), np.empty((most, 2))
-    edges, margin = np.empty(most, dtype=np.int64), np.empty(count)
-    first, empty = np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=np.bool_)
-    space, nothing = room((end - begin).max() if count else 0), order[:0]
+    into: tuple[Array, Array, Array, Integers, Array, Integers, Mask],
+    lines: tuple[Array, Array],
+    groups: tuple[Integers, Integers, Integers],
+    lower: Array,
+    upper: Array,
+) -> int:
+    """Write the columns of `Polygons` with the edges' half-planes, and which are empty; return how many edges there are."""
+    (outward, reach, vertices, edges, margin, first, empty), (normals, offsets), (order, begin, end) = into, lines, groups
+    count, nothing = len(begin), order[:0]
+    space = room((end - begin).max() if count else 0)
     for g in range(count):
-        at, lines = first[g], (normals, offsets, order[begin[g] : end[g]])
-        size, margin[g] = cut_into((vertices[at:], edges[at:]), lines, lower[g], upper[g], space)
+        at, some = first[g], (normals, offsets, order[begin[g] : end[g]])
+        size, margin[g] = cut_into((vertices[at:], edges[at:]), some, lower[g], upper[g], space)
         if not size:
-            empty[g], lines = True, (normals, offsets, nothing)
-            size, margin[g] = cut_into((vertices[at:], edges[at:]), lines, lower[g], upper[g], space)
+            empty[g], some = True, (normals, offsets, nothing)
+            size, margin[g] = cut_into((vertices[at:], edges[at:]), some, lower[g], upper[g], space)
         for k in range(at, at + size):
             if edges[k] >= 0:
                 outward[k, 0], outward[k, 1], reach[k] = normals[edges[k], 0], normals[edges[k], 1], offsets[edges[k]]
             else:
                 outward[k, 0], outward[k, 1], reach[k] = side_of_box(edges[k], lower[g], upper[g])
         first[g + 1] = at + size
-    end_of_all = first[count]
-    outlines = outward[:end_of_all].copy(), reach[:end_of_all].copy(), vertices[:end_of_all].copy(), margin, first
-    return outlines, edges[:end_of_all].copy(), empty
+    return first[count]
 
 
 @compiled
@@ -193,8 +197,9 @@ def _areas(vertices: Array, first: Integers) -> Array:
 
 
 @compiled
-def _spans(vertices: Array, margin: Array, first: Integers) -> tuple[Array, Array]:
-    centre, bound = np.empty(len(margin)), np.empty(len(margin))
+def _spans(vertices: Array, margin: Array, first: Integers) -> Array:
+    """Return centres and bounds (2, n) of arcs around polygons."""
+    arcs = np.empty((2, len(margin)))
     for k in range(len(margin)):
-        centre[k], bound[k] = span_of(vertices[first[k] : first[k + 1]], margin[k])
-    return centre, bound
+        arcs[0, k], arcs[1, k] = span_of(vertices[first[k] : first[k + 1]], margin[k])
+    return arcs

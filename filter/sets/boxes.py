@@ -29,7 +29,9 @@ def proved_boxes(
         robots: (k,) whose boxes are made smaller.
     """
     rows, box = edges[0], (polytope.lower, polytope.upper)
-    bounds, used, prices = _bounds((outer.normals, outer.vertices, outer.first), edges[1], robots, rows.columns, box)
+    bounds, used, prices = np.empty((len(robots), 4)), np.full((len(robots), 4, 2), -1), np.zeros((len(robots), 4, 2))
+    polygons = outer.normals, outer.vertices, outer.first, edges[1]
+    _bound((bounds, used, prices), polygons, robots, rows.columns, box)
     lower, upper = polytope.lower.copy(), polytope.upper.copy()
     high, low = np.minimum(upper[robots], bounds[:, :2]), np.maximum(lower[robots], -bounds[:, 2:])
     good = (low <= high).all(axis=1)  # otherwise it is empty, which is for the next update to prove and to explain
@@ -42,14 +44,16 @@ def proved_boxes(
 
 
 @compiled
-def _bounds(
-    outer: tuple[Array, Array, Integers], row: Integers, robots: Integers, team: Columns, box: Boxes
-) -> tuple[Array, Integers, Array]:
-    """Return certified extents (k, 4) to the right, top, left and bottom, and two rows and prices (k, 4, 2) for each."""
-    normals, vertices, first = outer
-    bounds, place = np.empty((len(robots), 4)), np.full(len(box[0]), -1)
-    rows, prices = np.full((len(robots), 4, 2), -1), np.zeros((len(robots), 4, 2))
-    centre, radius, side = np.empty(2), np.empty(2), np.empty(2)
+def _bound(
+    into: tuple[Array, Integers, Array],
+    outer: tuple[Array, Array, Integers, Integers],
+    robots: Integers,
+    team: Columns,
+    box: Boxes,
+) -> None:
+    """Write certified extents (k, 4) to the right, top, left and bottom, and two rows and prices (k, 4, 2) for each."""
+    (bounds, rows, prices), (normals, vertices, first, row) = into, outer
+    place, centre, radius, side = np.full(len(box[0]), -1), np.empty(2), np.empty(2), np.empty(2)
     for k in range(len(robots)):
         robot, begin, end = robots[k], first[robots[k]], first[robots[k] + 1]
         place[robot] = 0
@@ -70,7 +74,6 @@ def _bounds(
                     rows[k, s, which], prices[k, s, which] = row[edge], part / turned
             bounds[k, s] = certified(WORLD, robot, side, prices[k, s], rows[k, s], (place, centre, radius), team)
         place[robot] = -1
-    return bounds, rows, prices
 
 
 @compiled

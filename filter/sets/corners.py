@@ -45,19 +45,19 @@ def corner_rows(polytope: Polytope, i: Integers, j: Integers, spacing: float, nu
     """
     cuts, rows = polytope.of(i, j), polytope.constraints
     outlines, box = (cuts.polygons.normals, cuts.edges, cuts.polygons.first), (polytope.lower, polytope.upper)
-    whose, normals, offsets = _corners((i, j), outlines, spacing, rows.columns, box)
-    return Constraints(i[whose], j[whose], normals, offsets, numbers[whose])
+    corners = _corners((i, j), outlines, spacing, rows.columns, box)
+    whose = corners[:, 0].astype(np.int64)
+    return Constraints(i[whose], j[whose], corners[:, 1:3], corners[:, 3], numbers[whose])
 
 
 @compiled
 def _corners(
     pairs: tuple[Integers, Integers], outlines: tuple[Array, Integers, Integers], spacing: float, team: Columns, box: Boxes
-) -> tuple[Integers, Array, Array]:
-    """Return of whom each row is (c,), its normal (c, 2) and a certified offset (c,)."""
+) -> Array:
+    """Return for each row (c, 4) whose it is, its normal and a certified offset."""
     (i, j), (normals, edges, first) = pairs, outlines
     turns, pieces = _turns(normals, first, spacing)
-    most = (pieces - 1).sum()
-    whose, found, offsets = np.empty(most, dtype=np.int64), np.empty((most, 2)), np.empty(most)
+    corners = np.empty(((pieces - 1).sum(), 4))
     place, count = np.full(len(box[0]), -1), 0
     for g in range(len(j)):
         where = _place(i[g], j[g], place, box)
@@ -70,13 +70,13 @@ def _corners(
                 normal = np.array([np.cos(angle), np.sin(angle)])
                 prices = np.array([_across(normal, b), _across(a, normal)]) / _across(a, b)
                 behind = np.array([edges[edge], edges[following]])
-                whose[count], found[count] = g, normal
-                offsets[count] = certified(i[g], j[g], normal, prices, behind, where, team)
+                corners[count, 0], corners[count, 1:3] = g, normal
+                corners[count, 3] = certified(i[g], j[g], normal, prices, behind, where, team)
                 count += 1
         place[j[g]] = -1
         if i[g] >= 0:
             place[i[g]] = -1
-    return whose, found, offsets
+    return corners
 
 
 @compiled

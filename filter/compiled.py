@@ -1,38 +1,134 @@
-"""What is compiled to machine code (numba), once for each machine and version of this folder.
+"""What is compiled to machine code (numba): where it is kept, what is said of it, and what survives an interrupt.
 
-Numba keeps compiled functions on disk, but looks only at the file a function is in, not at what it calls. So the place
-where they are kept is named after the contents of all compiled modules: a change to one makes all of them new.
+Numba keeps compiled functions on disk, but looks only at the file a function is in, not at what it calls. So the folder
+where they are kept is named after the contents of the whole filter: a change to a file of it makes all of them new.
+
+**What Python calls.** A compiled function that is called from Python takes arrays, numbers, tuples and named tuples, no lists;
+it returns nothing, numbers, a tuple of numbers, or one array that it has made. Whatever else it finds it writes into arrays
+that its caller has made. For numba calls Python to hand out an array or a named tuple, and there a signal's handler may
+raise: the exception is then lost, or the process crashes. Among themselves compiled functions are free.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import os
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
+from numba.misc.appdirs import user_cache_dir
+
+from filter.workers import spread
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 FOLDER = Path(__file__).parent
 SETTINGS = cast(Any, numba).config
+MADE: list[Any] = []  # all compiled functions
 
 
-def _place() -> str:
-    """Return the folder for what is compiled: under the caller's NUMBA_CACHE_DIR, or beside Python's own compiled files."""
-    texts = [text for text in (path.read_bytes() for path in sorted(FOLDER.rglob("*.py"))) if b"\n@compiled\n" in text]
-    version = hashlib.sha256(b"\0".join(texts)).hexdigest()[:16]
-    return str(Path(SETTINGS.CACHE_DIR or FOLDER / "__pycache__") / f"corral-{version}")
+def _folders() -> Iterator[Path]:
+    """Yield where compiled functions may be kept: in NUMBA_CACHE_DIR, beside Python's own, or in a folder of the user's."""
+    if SETTINGS.CACHE_DIR:
+        yield Path(SETTINGS.CACHE_DIR).absolute()
+    yield FOLDER / "__pycache__"
+    caches = Path(user_cache_dir("corral", appauthor=False))
+    if caches.is_absolute():  # there is no home, else
+        yield caches
+    if hasattr(os, "getuid"):
+        with suppress(OSError):
+            temporary = Path(tempfile.gettempdir(), f"corral-{os.getuid()}")
+            temporary.mkdir(mode=0o700, exist_ok=True)
+            if _is_mine(temporary):
+                yield temporary
+
+
+def _is_mine(folder: Path) -> bool:
+    """Return whether nobody else can have put anything into a folder: code would be loaded from it."""
+    status = folder.lstat()
+    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o077
+
+
+def _place() -> str | None:
+    """Return the folder for this version of what is compiled, or None where nothing can be written."""
+    version = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(FOLDER.rglob("*.py")):
+        version.update(b"\0" + path.read_bytes())
+    for folder in _folders():
+        with suppress(OSError):
+            place = folder / f"corral-{version.hexdigest()[:16]}"
+            place.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=place).close()
+            return str(place)
+    return None
 
 
 PLACE = _place()
 
 
+class _Kept:
+    """A function's compiled forms on disk, without what is broken or not what was asked for."""
+
+    def __init__(self, cache: Any) -> None:
+        self._cache, self.cache_path = cache, cache.cache_path
+
+    def load_overload(self, types: tuple[Any, ...], target: Any) -> Any:
+        """Return what is kept for arguments of such types, or None; numba calls this."""
+        try:
+            kept = self._cache.load_overload(types, target)
+        except Exception:  # whatever unpickling a file raises that was cut off
+            with suppress(OSError):
+                self._cache.flush()
+            return None
+        # Two processes that keep two forms of one function at a time can mix up their files.
+        return kept if kept is not None and kept.signature.args == types else None
+
+    def save_overload(self, types: tuple[Any, ...], made: Any) -> None:
+        """Keep a form if it can be; numba calls this."""
+        with suppress(OSError):  # the disk is full by now
+            self._cache.save_overload(types, made)
+
+
+class _Says(event.Listener):
+    """Says that something is compiled: one line on stderr in the life of a process, none when all is loaded."""
+
+    said = False
+
+    def on_start(self, event: Any) -> None:
+        if not self.said and event.data["dispatcher"] in MADE:
+            self.said = True
+            kept = f"kept in {PLACE}" if PLACE else "kept nowhere, as no folder can be written; set NUMBA_CACHE_DIR to one"
+            with suppress(OSError, ValueError, AttributeError):  # stderr is closed, or there is none
+                sys.stderr.write(f"corral: compiling for this machine, once, for a minute or so ({kept})\n")
+
+    def on_end(self, event: Any) -> None:
+        """Nothing is said."""
+
+
+event.register("numba:compile", _Says())
+
+
 def compiled(function: Function) -> Function:
     """Return the function compiled when it is first called, and loaded from disk from then on; it lets other threads run."""
-    before, SETTINGS.CACHE_DIR = SETTINGS.CACHE_DIR, PLACE
+    before, SETTINGS.CACHE_DIR = SETTINGS.CACHE_DIR, PLACE or ""
     try:
-        return cast(Function, numba.njit(cache=True, nogil=True)(function))
+        made = cast(Any, numba.njit(cache=PLACE is not None, nogil=True)(function))
     finally:
         SETTINGS.CACHE_DIR = before
+    made._cache = _Kept(made._cache)
+    made._compile_for_args = partial(_aside, made._compile_for_args)
+    MADE.append(made)
+    return cast(Function, made)
+
+
+def _aside(make: Callable[..., Any], *arguments: Any) -> Any:
+    """Let numba compile or load a function in a thread of its own; interrupted, it would not work any more, or crash."""
+    return spread(lambda given: make(*given), [arguments], threads=1)[0]

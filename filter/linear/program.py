@@ -164,14 +164,15 @@ class LinearProgram:
 
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
         """Return b - A x at points (k, v) of the box, and the rounding in it, both (k, r)."""
-        return _slacks((self.slack, self._slack_rounding, self._exact), self._entries, points - self.centre)
+        slack, doubt = _slacks((self.slack, self._slack_rounding, self._exact), self._entries, points - self.centre)
+        return slack, doubt
 
 
 @compiled
-def _slacks(at_centre: tuple[Array, Array, Mask], entries: Entries, moved: Array) -> tuple[Array, Array]:
-    """Return slacks and their rounding (k, r) at points (k, v) from the centre, given those at the centre (r,)."""
+def _slacks(at_centre: tuple[Array, Array, Mask], entries: Entries, moved: Array) -> Array:
+    """Return slacks and their rounding (2, k, r) at points (k, v) from the centre, given those at the centre (r,)."""
     (middle, rounding, exact), (data, column, first) = at_centre, entries
-    slack, doubt = np.empty((len(moved), len(middle))), np.empty((len(moved), len(middle)))
+    both = np.empty((2, len(moved), len(middle)))
     for k in range(len(moved)):
         for row in range(len(middle)):
             total, size, terms = 0.0, 0.0, 8 + 2 * (first[row + 1] - first[row])
@@ -179,9 +180,9 @@ def _slacks(at_centre: tuple[Array, Array, Mask], entries: Entries, moved: Array
                 term = data[q] * moved[k, column[q]]
                 total += term
                 size += abs(term)
-            slack[k, row] = middle[row] - total
-            doubt[k, row] = 0.0 if exact[row] else rounding[row] + EPSILON * terms * size + terms * TINY
-    return slack, doubt
+            both[0, k, row] = middle[row] - total
+            both[1, k, row] = 0.0 if exact[row] else rounding[row] + EPSILON * terms * size + terms * TINY
+    return both
 
 
 @compiled

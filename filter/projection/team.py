@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +22,7 @@ from filter.projection.proved import Projection, position
 from filter.projection.stop import REASONS, IsOver, Stop, never
 from filter.projection.walk import Task
 from filter.projection.window import Links, Window, links, members_of_robot, rows_in
+from filter.workers import spread
 
 # Windows with so many robots, all told, are projected between two looks at the clock; for fewer a thread would not be worth it.
 TOGETHER = 512
@@ -127,11 +127,8 @@ class Projector:
             return sheet, project_some(i[chunk], j[chunk], task, sheet)
 
         workers = self.threads or os.cpu_count() or 1
-        if workers == 1 or len(chunks) <= 1:
-            results = [walked(chunk) for chunk in chunks]
-        else:
-            with ThreadPoolExecutor(workers) as pool:
-                results = list(pool.map(walked, chunks))
+        alone = workers == 1 or len(chunks) <= 1
+        results = [walked(chunk) for chunk in chunks] if alone else spread(walked, chunks, workers)
         return _Walks.of(chunks, results, len(rows))
 
     def _searched(self, polytope: Polytope, who: Links, robot: int, is_over: IsOver) -> Outlined:

@@ -75,8 +75,11 @@ class Hypotheses:
     def cut_anew(self, cells: int) -> Hypotheses:
         """Return a set around this one on a grid of headings with so many cells in a circle, one vote apart from the other."""
         names, group = np.unique(self.without, return_inverse=True)
-        which, low, high, reach = regrid(group, self.low, self.high, self.reach, cells)
-        return Hypotheses(names[which], low, high, reach)
+        grid = len(names), cells
+        low, high, reach = np.full(grid, np.inf), np.full(grid, -np.inf), np.full((*grid, COUNT), -np.inf)
+        regrid(group, self.low, self.high, self.reach, (low, high, reach))
+        some = low <= high
+        return Hypotheses(names[np.nonzero(some)[0]], low[some], high[some], reach[some])
 
     def stretched(self, cells: int) -> bool:
         """Return whether the slices have become wide."""

@@ -223,7 +223,7 @@ def stay_within(reach: Array, body: Array) -> Mask:
 
 
 @compiled
-def regrid(group: Integers, low: Array, high: Array, reach: Array, cells: int) -> tuple[Integers, Array, Array, Array]:
+def regrid(group: Integers, low: Array, high: Array, reach: Array, grid: tuple[Array, Array, Array]) -> None:
     """Sort slices into the cells of a grid of headings: in each group at most one slice a cell, the hull of what is in it.
 
     Args:
@@ -231,14 +231,11 @@ def regrid(group: Integers, low: Array, high: Array, reach: Array, cells: int) -
         low: (s,) [rad].
         high: (s,) [rad].
         reach: (s, COUNT) [m].
-        cells: In a full circle.
-
-    Returns:
-        The same for the slices of the grid, ordered by group and cell.
+        grid: The same for the slices of all cells in a circle (groups, cells), enlarged in place; inf and -inf are nothing.
     """
-    groups, width, turn = group.max() + 1, 2 * np.pi / cells, 2 * np.pi
-    first, last = np.full((groups, cells), np.inf), np.full((groups, cells), -np.inf)
-    farthest = np.full((groups, cells, COUNT), -np.inf)
+    first, last, farthest = grid
+    cells = first.shape[1]
+    width, turn = 2 * np.pi / cells, 2 * np.pi
     for k in range(len(low)):
         # What is a hair over an edge stays with its cell, or neighbours would be put together again and again.
         top = min(high[k], low[k] + turn)
@@ -251,5 +248,3 @@ def regrid(group: Integers, low: Array, high: Array, reach: Array, cells: int) -
             first[g, m] = min(first[g, m], (low[k] if cell == begin else cell * width) - away - slack)
             last[g, m] = max(last[g, m], (top if cell == end else (cell + 1) * width) - away + slack)
             farthest[g, m] = np.maximum(farthest[g, m], reach[k])
-    some = np.flatnonzero((first <= last).ravel())
-    return some // cells, first.ravel()[some], last.ravel()[some], farthest.reshape(-1, COUNT)[some]

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filter.geometry.polygon import Polygon
+from filter.robust.hypotheses import Hypotheses
 from filter.robust.slices import (
     COUNT,
     DIRECTIONS,
     move,
     narrow,
-    regrid,
     sector_supports,
     see_body,
     see_place,
@@ -135,20 +135,20 @@ def test_the_grid_keeps_every_pose_and_is_stable(seed):
     rng = np.random.default_rng(seed)
     position, heading = pose(rng)
     low, high, reach = slices_around(rng, position, heading, width=rng.choice([0.1, 1.0, 2.5]))
-    group, low, high, reach = regrid(np.array([0, 1, 1]), low, high, reach, 24)
-    first = group == 0
-    assert holds(low[first], high[first], reach[first], position, heading)
-    again = regrid(group, low, high, reach, 24)
-    assert (again[0] == group).all()
-    np.testing.assert_allclose(again[1], low, atol=1e-12)
-    np.testing.assert_allclose(again[2], high, atol=1e-12)
-    np.testing.assert_array_equal(again[3], reach)
+    anew = Hypotheses(np.array([0, 1, 1]), low, high, reach).cut_anew(24)
+    first = anew.without == 0
+    assert holds(anew.low[first], anew.high[first], anew.reach[first], position, heading)
+    again = anew.cut_anew(24)
+    assert (again.without == anew.without).all()
+    np.testing.assert_allclose(again.low, anew.low, atol=1e-12)
+    np.testing.assert_allclose(again.high, anew.high, atol=1e-12)
+    np.testing.assert_array_equal(again.reach, anew.reach)
 
 
 def test_more_than_a_circle_is_a_circle():
-    _, low, high, _ = regrid(np.array([0]), np.array([1.0]), np.array([40.0]), np.zeros((1, COUNT)), 12)
-    assert len(low) == 12
-    assert (high - low).sum() == pytest.approx(2 * np.pi, abs=1e-9)
+    anew = Hypotheses.agreed(np.zeros(COUNT), 1.0, 40.0).cut_anew(12)
+    assert len(anew) == 12
+    assert (anew.high - anew.low).sum() == pytest.approx(2 * np.pi, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

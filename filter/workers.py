@@ -1,0 +1,71 @@
+"""Work in threads of its own, which an exception that a signal's handler raises in the caller neither breaks nor blocks.
+
+Such handlers (of Ctrl-C, of a watchdog) run in the main thread between any two instructions of Python. The pools of
+`concurrent.futures` do not survive that: what is raised inside one of their locks leaves it locked for ever. Raw threads and
+`SimpleQueue` are written in C, where no handler runs.
+"""
+
+from __future__ import annotations
+
+import _thread
+import atexit
+import os
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import Any, TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+_AT_WORK: dict[int, Any] = {}  # by its number, each thread and the lock that it holds until it ends
+os.register_at_fork(after_in_child=_AT_WORK.clear)
+
+
+def spread(work: Callable[[Item], Result], items: Sequence[Item], threads: int) -> list[Result]:
+    """Return the work on each of the items, in their order, done by so many threads at a time.
+
+    An interrupt leaves at once: the threads end by themselves, each after the item that it is at.
+
+    Args:
+        work: May raise; what is raised first is raised here.
+        items: What to work on.
+        threads: How many, from 1 on; the caller only waits.
+    """
+    todo, done = SimpleQueue[tuple[int, Item]](), SimpleQueue[tuple[int, Any, BaseException | None]]()
+    for numbered in enumerate(items):
+        todo.put(numbered)
+    results = dict[int, Result]()
+    try:
+        for _ in range(min(threads, len(items))):
+            _thread.start_new_thread(_work_off, (work, todo, done))
+        while len(results) < len(items):
+            place, result, error = done.get()
+            if error is not None:
+                raise error
+            results[place] = result
+    finally:
+        with suppress(Empty):
+            while True:
+                todo.get_nowait()
+    return [results[place] for place in range(len(items))]
+
+
+def _work_off(work: Callable[[Any], Any], todo: SimpleQueue[Any], done: SimpleQueue[Any]) -> None:
+    thread, lock = _thread.get_ident(), _thread.allocate_lock()
+    with lock, suppress(Empty):
+        _AT_WORK[thread] = lock
+        while True:
+            place, item = todo.get_nowait()
+            try:
+                done.put((place, work(item), None))
+            except BaseException as error:
+                done.put((place, None, error))
+    del _AT_WORK[thread]
+
+
+@atexit.register
+def _let_end() -> None:
+    """Let the threads end that an interrupt has left at work: the interpreter cannot end around them."""
+    for lock in list(_AT_WORK.values()):
+        lock.acquire()

@@ -32,7 +32,7 @@ from filter import Array, Belief, Mask, SetMembershipFilter
 from filter.geometry.polygon import SIDES
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import deepest_point, workspace
-from filter.projection.polygons_of import position
+from filter.projection.proved import position
 from sim.episode import episode
 
 ORIGINS = (0.0, 1.0, 5e6)  # [m]
@@ -167,7 +167,7 @@ def cost(belief: Belief) -> tuple[float, float, float]:
     for directions, each in zip(objectives, found, strict=True):
         again.certified_bounds(directions, again.essential(directions, np.array([one.multipliers for one in each])))
     weights = np.zeros((len(boxes), len(boxes.polytope.constraints)))
-    weights[boxes.claim, boxes.row] = boxes.multiplier
+    weights[np.repeat(np.arange(len(boxes)), boxes.weights.counts), boxes.weights.row] = boxes.weights.weight
     boxes.polytope.program().certified_bounds(np.kron(np.eye(robots), SIDES), weights)
     certified = perf_counter()
     again.holds(deepest.point[None])

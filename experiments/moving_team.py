@@ -31,6 +31,10 @@ PICTURE_EVERY = 1.0  # [s]
 ROUNDING = 1e-9  # of times [s]
 
 
+EXACT = "exact"  # no solver: walks over the vertices
+SOLVERS = SetMembershipFilter.solvers
+
+
 @dataclass(frozen=True)
 class Options:
     """Follow a moving team in the simulator (or in a log) and check every robot at every step.
@@ -94,8 +98,9 @@ def run(options: Options) -> int:
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
     team_filter = make(
         scenario.team,
-        solver=options.solver,
-        scope="team" if options.hops is None else Window(options.hops),
+        exact=options.solver == EXACT,
+        solvers=SOLVERS if options.solver == EXACT else (options.solver, *SOLVERS),
+        scope=Window.everybody() if options.hops is None else Window(options.hops),
         policy=options.policy,
     )
     folder = output_folder(options.out)

@@ -21,7 +21,7 @@ from experiments.follow.metrics import Value, rounded
 from experiments.follow.side_by_side import Case
 from experiments.optimum.figures import draw_budgets, draw_over_time
 from experiments.optimum.history import TANGENTS
-from experiments.optimum.runs import BUDGETS, DEFAULT, WITHOUT, Followed, Optimum, Variant, follow, optimum_at
+from experiments.optimum.runs import BUDGETS, DEFAULT, Followed, Optimum, Variant, follow, optimum_at
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, print_table, show_table, tell
@@ -114,8 +114,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
     variants = {name: Variant(*BUDGETS[name], spacing) for name in budgets}
     if not options.alone:
         variants["window"] = Variant(*BUDGETS[DEFAULT], spacing, window=True)
-        for name, (pairs, corners) in WITHOUT.items():
-            variants[name] = Variant(*BUDGETS[DEFAULT], spacing, pairs=pairs, corners=corners)
+        variants["without pairs"] = Variant(*BUDGETS[DEFAULT], spacing, pairs=False)
     stop = Stop(options.performance_ratio, 0.0, SEARCHES)
     with executor(options.workers) as pool, Counting(len(variants) + len(steps), "runs and optima") as progress:
         first = pool.submit(follow, case, variants.pop(DEFAULT), options.tangents)
@@ -127,7 +126,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
             future.result()  # raises what it raised
             progress.advance()
     runs = {name: future.result() for name, future in {**others, DEFAULT: first}.items()}
-    order = [name for name in (*BUDGETS, "window", *WITHOUT) if name in runs]
+    order = [name for name in (*BUDGETS, "window", "without pairs") if name in runs]
     return {name: runs[name] for name in order}, [optima[step].result() for step in sorted(optima)]
 
 
@@ -169,7 +168,7 @@ def summary_of(options: Options, runs: dict[str, Followed], optima: Sequence[Opt
         "window_area_ratio_p95": None if windows is None else rounded(float(np.quantile(windows, 0.95))),
         **{
             f"{name.replace(' ', '_')}_area_ratio_mean": rounded(float(ratios(runs[name], optima).mean()))
-            for name in WITHOUT
+            for name in ("without pairs",)
             if name in runs
         },
         "optimum_variables_max": max(each.variables for each in optima),

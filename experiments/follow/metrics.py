@@ -80,7 +80,7 @@ class Metrics:
         self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
         self._seconds.append(seconds)
         self._areas += belief.regions.outer.areas.tolist()
-        self._ratios += [region.performance_ratio for region in belief.regions]
+        self._ratios += belief.regions.performance_ratios.tolist()
         self._searches += belief.regions.searches.tolist()
         return Escapes() if frame.truth is None else self._check(belief, frame.truth)
 

@@ -15,8 +15,7 @@ from experiments.follow.steps import steps
 from experiments.growth.size import LEFT_OUT, Case, Size
 from experiments.sweep.own_process import peak_memory_mib
 from filter import PHASES, Belief, ExtendedKalmanFilter, Frame, Inconsistent, SetMembershipFilter, Step, Window
-from filter.linear.constraints import WORLD
-from filter.projection.window import links, members_of
+from filter.projection.window import links, members_of_robot
 from sim.errors import ErrorKind
 
 COMPARED_EVERY = 10  # steps
@@ -154,7 +153,7 @@ def window_sizes(belief: Belief, window: Window) -> list[int]:
     who, sizes = links(belief.constraints, robots), []
     for robot in range(robots):
         place = np.full(robots, -1)
-        sizes.append(len(members_of(WORLD, robot, window.hops, window.robots, who.near, who.near_first, place)))
+        sizes.append(len(members_of_robot(robot, window.hops, window.robots, who, place)))
     return sizes
 
 
@@ -162,7 +161,7 @@ def area_ratio_to_team(team_filter: SetMembershipFilter, compared: Sequence[Step
     """Return the mean area in windows over that in the whole team, both from the same beliefs and measurements."""
     if not compared:
         return None
-    whole = replace(team_filter, scope="team")
+    whole = replace(team_filter, scope=Window.everybody())
     team = [mean_area(whole.update(step.predicted, step.frame.measurements)) for step in compared]
     return rounded(float(np.sum([mean_area(step.belief) for step in compared]) / np.sum(team)))
 

@@ -69,7 +69,7 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
             "normal": hexadecimal(rows.normal[row]),
             "offset": float(rows.offset[row]).hex(),
         }
-        for row in set(proof.row.tolist())
+        for row in set(proof.weights.row.tolist())
     }
     lower, upper = proof.polytope.lower, proof.polytope.upper
     found = []

@@ -220,6 +220,11 @@ class Polygons(Frozen, Sequence[Polygon]):
         offsets = self.offsets - (self.normals * where).sum(axis=1) + rounding[self.owner]
         return Polygons(-self.normals, offsets, where - self.vertices, self.margin + rounding, self.first)
 
+    def turned_about(self, which: Mask) -> Polygons:
+        """Return {-x} where (n,) says so, and {x} elsewhere: exact."""
+        sign = np.where(which[self.owner], -1.0, 1.0)[:, None]
+        return Polygons(sign * self.normals, self.offsets, sign * self.vertices, self.margin, self.first)
+
     def spans(self) -> AngularIntervals:
         """Return (n) arcs that contain the directions from the origin to every point of each polygon; they err outward [rad].
 

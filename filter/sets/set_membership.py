@@ -8,10 +8,10 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import number, whole
+from filter.arrays import Integers, number, whole
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.polygon import Polygon
+from filter.geometry.polygon import Polygon, Polygons
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune
@@ -175,6 +175,18 @@ class SetMembershipFilter:
             return self._updated(belief, records, is_over)
         return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
 
+    def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
+        """Return polygons that contain x_j - x_i, where one robot of each of (g) pairs is as seen from the other (eq. 3) [m].
+
+        Args:
+            belief: Stays as it is.
+            i: (g,) from whom.
+            j: (g,) who; another robot.
+        """
+        first, second = np.minimum(i, j), np.maximum(i, j)
+        seen = self._projector.pairs(belief.polytope, (first, second)).outlines.outer
+        return seen.turned_about(i > j)
+
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         self.on_phase("headings")
         sources, numbered = numbered_of(belief.sources, measurements)
@@ -184,12 +196,15 @@ class SetMembershipFilter:
         self.on_phase("prune")
         polytope = self._pruned(known)
         self.on_phase("project")
-        projector = Projector(self.scope, self.stop, self.exact, self.solvers, self.threads)
-        found = refined(belief.time, polytope, sources, projector, is_over=is_over)
+        found = refined(belief.time, polytope, sources, self._projector, is_over=is_over)
         self.on_phase("forget")
-        found = with_pairs(belief.time, found, self.pairs, projector, is_over=is_over)
+        found = with_pairs(belief.time, found, self.pairs, self._projector, is_over=is_over)
         polytope = self._pruned(found.polytope)
         return Belief(belief.time, polytope, headings, found.sources, found.regions, found.events, found.proofs).compact()
+
+    @property
+    def _projector(self) -> Projector:
+        return Projector(self.scope, self.stop, self.exact, self.solvers, self.threads)
 
     def _pruned(self, polytope: Polytope) -> Polytope:
         """Prune before a search, for the solver's time, and after it, when regions have become rows."""

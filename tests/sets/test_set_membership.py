@@ -10,7 +10,7 @@ from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Compass, Odometry, Range
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.sets.belief import Source
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

@@ -103,9 +103,10 @@ TAMPERED = {
     "the box, empty": lambda line: line["upper"].update(
         {key: [moved(v, -1e9) for v in side] for key, side in line["upper"].items()}
     ),
-    "the box, wider": lambda line: line["upper"].update(
-        {key: [moved(v, 1e9) for v in side] for key, side in line["upper"].items()}
-    ),
+    "the box, wider": lambda line: [
+        line[name].update({key: [moved(v, by) for v in side] for key, side in line[name].items()})
+        for name, by in (("upper", 1e9), ("lower", -1e9))
+    ],
     "the box, missing": lambda line: line.update(upper={}),
     "no number": lambda line: line.update(offset="nan"),
     "an infinite multiplier": lambda line: line["rows"][0].update(multiplier="inf"),

@@ -18,8 +18,8 @@ from filter.projection.window import WindowProgram
 LEAST_RATIO = 0.999
 # A point is close to a row when this share of the box is between them; so often is another one looked for.
 CLOSE, ATTEMPTS = 1e-4, 4
-# So many corners at most does an inner polygon have.
-CORNERS = 64
+# So many corners at most does an inner polygon have: a circle, of all shapes the worst, is left with 90 or so.
+CORNERS = 128
 
 
 @compiled

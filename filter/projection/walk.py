@@ -252,7 +252,7 @@ def edge_of(program: WindowProgram, plane: Plane, trace: Trace, k: int, rows: In
 
 @compiled
 def is_tight(plane: Plane, vertex: Array, normal: Array, offset: float, price: float) -> bool:
-    """Return whether a proved edge is no farther out than its vertex (2,), but for rounding, which its rows' price multiplies."""
+    """Return whether a proved edge is no farther out than its vertex (2,), but for rounding: more where rows cost more."""
     reached = 0.0
     for m in range(2):
         reached += normal[m] * (plane.middle[m] + plane.size[m] * vertex[m])

@@ -14,7 +14,7 @@ from filter.linear.sources import Source
 from filter.sets.belief import Belief
 
 # Edges whose normals are within this of the separating line's direction carry it alone [rad].
-PARALLEL = 1e-6
+SAME_DIRECTION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def _edges_behind(polygon: Polygon, normal: Array) -> tuple[int, ...]:
     """Return the edge with that normal, or the two whose normals are next to it on either side."""
     angles = np.arctan2(polygon.normals[:, 1], polygon.normals[:, 0]) - np.arctan2(normal[1], normal[0])
     turns = np.mod(angles + np.pi, 2 * np.pi) - np.pi
-    if np.abs(turns).min() <= PARALLEL:
+    if np.abs(turns).min() <= SAME_DIRECTION:
         return (int(np.argmin(np.abs(turns))),)
     after, before = np.where(turns > 0, turns, np.inf), np.where(turns < 0, -turns, np.inf)
     return (int(np.argmin(before)), int(np.argmin(after)))

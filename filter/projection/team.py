@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from filter.arrays import Array, Integers
-from filter.geometry.polygon import Polygons
+from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import Solver, name_of

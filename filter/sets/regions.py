@@ -10,7 +10,8 @@ from typing import overload
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, Mask, read_only
-from filter.geometry.polygon import Polygon, Polygons
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.projection.claims import Hulls, Outlines
 from filter.projection.proved import NO_AREA, performance_ratio

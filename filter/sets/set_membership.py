@@ -11,7 +11,8 @@ import numpy as np
 from filter.arrays import Integers, number, whole
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.polygon import Polygon, Polygons
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune

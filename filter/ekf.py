@@ -14,7 +14,7 @@ from math import erfc
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask, finite, number, read_only
+from filter.arrays import Array, Frozen, Integers, Mask, finite, number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -61,7 +61,7 @@ class NoiseModel:
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianBelief:
+class GaussianBelief(Frozen):
     """What the Kalman filter believes at one time.
 
     Attributes:
@@ -75,10 +75,6 @@ class GaussianBelief:
     mean: Array
     covariance: Array
     rejected: int = 0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "mean", read_only(self.mean))
-        object.__setattr__(self, "covariance", read_only(self.covariance))
 
     @property
     def position_covariances(self) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Floats, finite, read_only
+from filter.arrays import Array, Floats, Frozen, finite
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import Polygon
@@ -18,7 +18,7 @@ SAME_DIRECTION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Alarm:
+class Alarm(Frozen):
     """Proof that an estimate of one robot is wrong, as long as every declared bound holds.
 
     Attributes:
@@ -40,9 +40,6 @@ class Alarm:
     distance: float
     edges: tuple[int, ...]
     sources: tuple[Source, ...]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "normal", read_only(self.normal))
 
     def __str__(self) -> str:
         what = "the whole ellipse" if self.everything else "the estimate"

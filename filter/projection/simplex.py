@@ -21,7 +21,7 @@ VIOLATED = 1e-12
 # A row that changes by less along an edge does not bound it.
 PARALLEL = 1e-11
 # After so many exchanges the inverse is mended.
-MENDED_AFTER = 16
+MENDED_AFTER = 32
 
 FOUND, EMPTY, LOST = 0, 1, 2  # how a walk ends
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Mask, number, read_only
+from filter.arrays import Array, Frozen, Mask, number
 from filter.errors import InvalidInput
 
 
@@ -54,7 +54,7 @@ class Alignment:
 
 
 @dataclass(frozen=True, eq=False)
-class Offsets:
+class Offsets(Frozen):
     """What motion says of n cameras.
 
     Attributes:
@@ -80,10 +80,6 @@ class Offsets:
     good_until: Array
     bad_since: Array
     suspected: Mask
-
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     @classmethod
     def none(cls, robots: int, time: float) -> Offsets:

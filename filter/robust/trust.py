@@ -7,11 +7,11 @@ names. The one with the larger share of contradicted sightings is put aside; wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Mask, number, read_only
+from filter.arrays import Array, Frozen, Mask, number
 from filter.errors import InvalidInput
 
 
@@ -44,7 +44,7 @@ class Suspicion:
 
 
 @dataclass(frozen=True, eq=False)
-class Trust:
+class Trust(Frozen):
     """The record of every pair of n cameras and b bodies, and which sensors are put aside.
 
     Attributes:
@@ -66,11 +66,6 @@ class Trust:
     since: Array
     camera: Mask
     identity: Mask
-
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            if column.name != "time":
-                object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     @classmethod
     def full(cls, robots: int, bodies: int, time: float) -> Trust:

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from filter.arrays import Array, Mask, number, read_only, whole
+from filter.arrays import Array, Frozen, Mask, number, whole
 from filter.errors import InvalidInput
 from filter.linear.sources import Source
 from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
@@ -48,7 +48,7 @@ class Rules:
 
 
 @dataclass(frozen=True, eq=False)
-class Votes:
+class Votes(Frozen):
     """When there were votes on n robots. Column c of a robot is its sightings of body c; the last n, those by each robot of it.
 
     Attributes:
@@ -64,10 +64,6 @@ class Votes:
     rejected: Array
     believed: Array
     renewed: Array
-
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     def source(self, time: float, robot: int, column: int) -> Source:
         """Return what a vote on a robot at a time [s] was."""

@@ -1,7 +1,7 @@
 """Corral: a dynamic set-membership filter for moving robot teams.
 
-Read in this order, rooms with a slash: errors, arrays, compiled, geometry/, measurements, frame, team, linear/, sensing/,
-projection/, sets/, robust/, lag, ekf, watch.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, frame, team, linear/,
+sensing/, projection/, sets/, robust/, lag, ekf, watch, warm_up.
 """
 
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
@@ -21,6 +21,7 @@ from filter.sets.belief import Belief, Event, Fallback, Proof, Rejected, Source
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
+from filter.warm_up import warm_up
 
 __all__ = [
     "Alignment",
@@ -60,4 +61,5 @@ __all__ = [
     "Turned",
     "Unbounded",
     "Window",
+    "warm_up",
 ]

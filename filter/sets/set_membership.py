@@ -237,7 +237,7 @@ class SetMembershipFilter:
 
     def _moved_box(self, belief: Belief, time: float, moves: Displacements) -> tuple[Array, Array]:
         robots = np.arange(self.team.robots)
-        right, top, left, bottom = (moves.support(robots, np.broadcast_to(side, (len(robots), 2))) for side in SIDES)
+        right, top, left, bottom = (moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES)
         lower = _moved(belief.polytope.lower, -np.stack([left, bottom], axis=1), -np.inf)
         upper = _moved(belief.polytope.upper, np.stack([right, top], axis=1), np.inf)
         lower, upper = np.maximum(lower, self.team.arena[0]), np.minimum(upper, self.team.arena[1])

@@ -3,8 +3,8 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, compiled, geometry/, measurements, frame, team, linear/, sensing/,
-projection/, sets/, robust/, follow, lag, ekf, watch.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, frame, team, linear/,
+sensing/, projection/, sets/, robust/, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
@@ -29,6 +29,7 @@ from filter.sets.events import Event, Fallback, Rejected
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
 from filter.team import Team
+from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
 __all__ = [
@@ -86,6 +87,7 @@ __all__ = [
     "Unbounded",
     "Window",
     "follow",
+    "warm_up",
     "watch",
     "wrap",
 ]

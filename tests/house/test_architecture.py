@@ -25,6 +25,7 @@ PLAIN = {
     "abc",
     "collections",
     "dataclasses",
+    "decimal",
     "enum",
     "fractions",
     "functools",

@@ -16,7 +16,7 @@ import piqp
 import qpsolvers
 from scipy import sparse
 
-from filter.arrays import Array
+from filter.arrays import Array, shown
 from filter.errors import InvalidInput
 from filter.linear.program import LinearProgram
 from filter.linear.scaled import ScaledProgram
@@ -68,8 +68,8 @@ def workspace(program: LinearProgram, solver: Solver) -> Workspace:
 def check_solver(solver: Solver, others: Sequence[str] = ()) -> None:
     """Raise `InvalidInput`, with the list of those there are, unless the solver is installed or among the others."""
     known = [*others, *sorted([*qpsolvers.available_solvers, SIMPLEX])]
-    if not callable(solver) and solver not in known:
-        raise InvalidInput(f"a solver among {', '.join(known)}", repr(solver))
+    if not callable(solver) and not (isinstance(solver, str) and solver in known):
+        raise InvalidInput(f"a solver among {', '.join(known)}", shown(solver))
 
 
 def name_of(solver: Solver) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Array, Integers, number, whole
+from filter.arrays import Array, Integers, function, instance, number, settle, several, shown, whole_number
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import SIDES, Polygon
@@ -76,7 +76,8 @@ class SetMembershipFilter:
             does not depend on it.
 
     Raises:
-        InvalidInput: No such solver is installed, no such policy, a budget is too small, or the spacing out of its range.
+        InvalidInput: An attribute is of another type, no such solver is installed, no such policy, a budget is too small, or
+            the spacing out of its range.
     """
 
     team: Team
@@ -95,23 +96,27 @@ class SetMembershipFilter:
     on_phase: Callable[[str], object] = _unheard
 
     def __post_init__(self) -> None:
+        instance("team", self.team, Team)
+        instance("stop", self.stop, Stop)
+        instance("budget", self.budget, Budget, type(None))
+        function("on_phase", self.on_phase)
         check_solver(self.solver, [EXACT])
-        for solver in self.fallbacks:
-            check_solver(solver)
-        if self.scope != "team" and not isinstance(self.scope, Window):
-            raise InvalidInput('a scope, "team" or a Window', repr(self.scope))
-        if self.policy not in get_args(Policy):
-            raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", repr(self.policy))
-        if self.budget is not None and not isinstance(self.budget, Budget):
-            raise InvalidInput("a Budget, or None", repr(self.budget))
-        if self.threads is not None:
-            whole("threads", self.threads, low=1)
-        whole("rows_per_robot", self.rows_per_robot, low=4)
-        whole("rows_per_pair", self.rows_per_pair, low=4)
-        whole("pairs", self.pairs)
-        if self.corner_spacing is not None:
-            number("corner spacing [rad]", self.corner_spacing, 0.01, np.pi / 2)
-        number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2)
+        fallbacks = _solvers(self.fallbacks)
+        if not isinstance(self.scope, Window) and not (isinstance(self.scope, str) and self.scope == "team"):
+            raise InvalidInput('a scope, "team" or a Window', shown(self.scope))
+        if not isinstance(self.policy, str) or self.policy not in get_args(Policy):
+            raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", shown(self.policy))
+        corners = self.corner_spacing
+        settle(
+            self,
+            rows_per_robot=whole_number("rows_per_robot", self.rows_per_robot, 4),
+            rows_per_pair=whole_number("rows_per_pair", self.rows_per_pair, 4),
+            pairs=whole_number("pairs", self.pairs),
+            corner_spacing=corners if corners is None else number("corner spacing [rad]", corners, 0.01, np.pi / 2),
+            tangent_spacing=number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2),
+            fallbacks=fallbacks,
+            threads=self.threads if self.threads is None else whole_number("threads", self.threads, 1),
+        )
 
     @classmethod
     def light(cls, team: Team, **options: Any) -> Self:
@@ -132,21 +137,22 @@ class SetMembershipFilter:
             headings: (n) arcs around the headings, or None when nothing is known.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ, or a set is empty.
+            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, or a set is empty.
         """
-        robots, known = self.team.robots, self.team.initial_headings(positions, headings)
-        corners = np.array([polygon.bounds for polygon in positions])
+        begin, robots = number("time [s]", time), self.team.robots
+        polygons, known = self.team.initial(positions, headings)
+        corners = np.array([polygon.bounds for polygon in polygons])
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
         if (lower > upper).any():
             outside = int(np.flatnonzero((lower > upper).any(axis=1))[0])
             raise InvalidInput("initial polygons that reach into the arena", f"robot {outside} wholly outside")
-        sources, numbers = Sources().extended("initial set", number("time [s]", time), np.arange(robots))
+        sources, numbers = Sources().extended("initial set", begin, np.arange(robots))
         rows = [
             Constraints.on_robot(k, polygon.normals, polygon.offsets, np.full(len(polygon.offsets), numbers[k]))
-            for k, polygon in enumerate(positions)
+            for k, polygon in enumerate(polygons)
         ]
         polytope = Polytope(Constraints.concatenate(rows), lower, upper, numbers)
-        return Belief(float(time), polytope, known, regions_at_a_glance(polytope), sources).compact()
+        return Belief(begin, polytope, known, regions_at_a_glance(polytope), sources).compact()
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
         """Return the belief at a later time, after the robots have moved.
@@ -164,7 +170,8 @@ class SetMembershipFilter:
             Inconsistent: A robot has left the arena for sure.
         """
         self.on_phase("predict")
-        self.team.check_motion(belief.time, time, odometry)
+        self.team.check_belief(belief, Belief, "headings")
+        time = self.team.check_motion(belief.time, time, odometry)
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
@@ -186,6 +193,7 @@ class SetMembershipFilter:
                 With the policy "reject": and none of these measurements is in the conflict.
         """
         self.on_phase("headings")
+        self.team.check_belief(belief, Belief, "headings")
         records = self.team.checked(belief.time, measurements)
         is_over = self.budget.begin() if self.budget else never
         if self.policy == "raise":
@@ -265,6 +273,17 @@ class SetMembershipFilter:
     def _with_rows(self, polytope: Polytope, rows: list[Constraints]) -> Polytope:
         more = [on_robots(each, polytope, self.team.landmarks) for each in rows]
         return polytope.with_constraints(Constraints.concatenate([polytope.constraints, *more]))
+
+
+def _solvers(solvers: Iterable[Solver]) -> tuple[Solver, ...]:
+    """Return solvers that are all installed."""
+    expected = 'fallbacks: a tuple of solvers, such as ("piqp", "highs")'
+    if isinstance(solvers, str):
+        raise InvalidInput(expected, shown(solvers))
+    every = several(expected, solvers, object)
+    for solver in every:
+        check_solver(solver)
+    return every
 
 
 def _moved(corner: Array, by: Array, outward: float) -> Array:

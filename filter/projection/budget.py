@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from filter.arrays import number
+from filter.arrays import function, number, settle
 
 IsOver = Callable[[], bool]
 
@@ -27,16 +27,17 @@ class Budget:
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
 
     Raises:
-        InvalidInput: The time is not finite or negative.
+        InvalidInput: The time is not finite or negative, or the clock is no function or tells no number.
     """
 
     seconds: float
     clock: Callable[[], float]
 
     def __post_init__(self) -> None:
-        number("time budget [s]", self.seconds, 0)
+        settle(self, seconds=number("time budget [s]", self.seconds, 0))
+        function("clock", self.clock)
 
     def begin(self) -> IsOver:
         """Return what tells, from now on, whether time is up."""
-        began = self.clock()
-        return lambda: self.clock() - began >= self.seconds
+        began = number("time by the clock [s]", self.clock())
+        return lambda: number("time by the clock [s]", self.clock()) - began >= self.seconds

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, number, read_only, whole
+from filter.arrays import Array, Integers, function, number, read_only, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import Polygon, clip
@@ -54,17 +54,22 @@ class Stop:
     clock: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
-        number("performance ratio", self.performance_ratio, 0, 1)
-        number("area gap [m2]", self.area_gap, 0)
-        whole("searches", self.searches, low=4)
+        settle(
+            self,
+            performance_ratio=number("performance ratio", self.performance_ratio, 0, 1),
+            area_gap=number("area gap [m2]", self.area_gap, 0),
+            searches=whole_number("searches", self.searches, 4),
+        )
+        if self.clock is not None:
+            function("clock", self.clock)
         if self.seconds is not None:
-            number("time limit [s]", self.seconds, 0)
+            settle(self, seconds=number("time limit [s]", self.seconds, 0))
             if self.clock is None:
                 raise InvalidInput("a clock to hold a time limit against", f"{self.seconds} s without one")
 
     def now(self) -> float:
         """Return the clock's time [s]; always 0 when there is no time limit."""
-        return 0.0 if self.seconds is None or self.clock is None else self.clock()
+        return 0.0 if self.seconds is None or self.clock is None else number("time by the clock [s]", self.clock())
 
     def reason(self, inner_area: float, gap: float, searches: int, began: float = 0.0) -> Reason | None:
         """Return why to end a search that began at a time of `now` [s], or None to go on."""

@@ -27,8 +27,7 @@ from experiments.paper.static_figures import EXAMPLES, draw_frames, draw_range_b
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, show_table
-from filter.arrays import Array
-from filter.projection.polygons_of import Stop
+from filter import Array, Stop
 
 ORDERS = 6  # random orders in which the bearings are merged
 

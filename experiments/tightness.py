@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.follow.side_by_side import Case
 from experiments.optimum.figures import draw_budgets, draw_over_time
@@ -25,9 +26,7 @@ from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, print_table, show_table, tell
 from experiments.sweep.executors import executor
-from filter.arrays import Array, number, whole
-from filter.errors import InvalidInput
-from filter.projection.polygons_of import Stop
+from filter import Array, InvalidInput, Stop
 from sim.errors import ErrorKind
 
 SEARCHES = 64  # at most, of an optimum
@@ -96,9 +95,7 @@ def run(options: Options) -> int:
 
 def check(options: Options) -> None:
     """Raise `InvalidInput` for options that cannot be used."""
-    whole("every", options.every, low=1)
-    whole("tangents", options.tangents, low=4)
-    number("performance ratio of the optimum", options.performance_ratio, 0.5, 0.9999)
+    keep_within(options, every=(1, np.inf), tangents=(4, np.inf), performance_ratio=(0.5, 0.9999))
     if round(options.duration * options.rate) < options.every:
         raise InvalidInput(f"a duration of at least {options.every} steps", f"{options.duration!r} s")
     case_of(options).scenario()  # refuses what the simulator cannot do

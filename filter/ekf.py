@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import erfc
 
 import numpy as np
-from scipy.stats import chi2
 
-from filter.arrays import Array, Integers, finite, instance, number, positive, read_only, settle, whole_number
+from filter.arrays import Array, Integers, Mask, finite, instance, number, positive, read_only, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -216,7 +216,7 @@ class ExtendedKalmanFilter:
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
         if self.gate is not None:
-            kept = self._passes(belief, innovation, H, variance)
+            kept = self._passes(belief, innovation, H, variance, self.gate)
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
         rejected = belief.rejected + len(record.robot) - len(innovation)
         P = belief.covariance
@@ -228,9 +228,11 @@ class ExtendedKalmanFilter:
         covariance = keep @ P @ keep.T + (K * variance) @ K.T  # Joseph's form: stays positive
         return GaussianBelief(belief.time, mean, (covariance + covariance.T) / 2, rejected)
 
-    def _passes(self, belief: GaussianBelief, innovation: Array, H: Array, variance: Array) -> Array:
+    def _passes(self, belief: GaussianBelief, innovation: Array, H: Array, variance: Array, gate: float) -> Mask:
+        """Return (k,) whether the probability of an innovation no larger is within the gate."""
         spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
-        return np.asarray(innovation**2 <= chi2.ppf(self.gate, 1) * spread)
+        sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
+        return np.array([erfc(size) for size in sizes]) >= 1 - gate
 
     def _linearised(self, belief: GaussianBelief, record: Measurement) -> tuple[Array, Array, Array]:
         """Return innovations (k,), Jacobian (k, 3n) and variances (k,) of a record at the mean."""

@@ -27,12 +27,12 @@ class Frame:
 
     Attributes:
         time: When [s].
-        odometry: The motion since the previous frame, or None in the first one.
+        odometry: The motion since the previous frame, or None in the first one and where nothing is known of it.
         measurements: What was measured at this instant.
         truth: Where the robots are, or None where nobody knows.
     """
 
     time: float
-    odometry: Odometry | None
-    measurements: tuple[Measurement, ...]
-    truth: Truth | None
+    odometry: Odometry | None = None
+    measurements: tuple[Measurement, ...] = ()
+    truth: Truth | None = None

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite, number, read_only, settle, several, whole
+from filter.arrays import Array, Floats, Integers, finite, number, read_only, settle, several, whole
 from filter.errors import InvalidInput
 
 
@@ -58,6 +58,10 @@ class Compass:
     heading: Array
     bound: Array
 
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats) -> None: ...
+
     def __post_init__(self) -> None:
         settle(self, time=number("time [s]", self.time))
         _columns(
@@ -88,6 +92,10 @@ class Bearing:
     target: Integers
     bearing: Array
     bound: Array
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(self, time: float, robot: Floats, target: Floats, bearing: Floats, bound: Floats) -> None: ...
 
     def __post_init__(self) -> None:
         settle(self, time=number("time [s]", self.time))
@@ -123,6 +131,12 @@ class Range:
     range: Array
     bound: Array
     relative_bound: Array
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(
+            self, time: float, robot: Floats, target: Floats, range: Floats, bound: Floats, relative_bound: Floats
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         settle(self, time=number("time [s]", self.time))
@@ -185,6 +199,21 @@ class Odometry:
     turn_bound: Array
     direction_bound: Array
     slip_bound: Array
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(
+            self,
+            start: float,
+            time: float,
+            robot: Floats,
+            distance: Floats,
+            distance_bound: Floats,
+            turn: Floats,
+            turn_bound: Floats,
+            direction_bound: Floats,
+            slip_bound: Floats,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         settle(self, start=number("start [s]", self.start), time=number("time [s]", self.time))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from filter.arrays import (
     LARGEST,
     MOST_ROBOTS,
     Array,
+    Floats,
     Integers,
     finite,
     floats,
@@ -50,6 +52,17 @@ class Team:
     speed_limit: float = 1.0
     turn_rate_limit: float = np.pi
     arena: Array = field(default_factory=lambda: np.array([[-np.inf] * 2, [np.inf] * 2]))
+
+    if TYPE_CHECKING:  # sequences are taken, arrays are kept
+
+        def __init__(
+            self,
+            robots: int,
+            landmarks: Floats = ...,
+            speed_limit: float = ...,
+            turn_rate_limit: float = ...,
+            arena: Floats = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         landmarks = finite("landmark coordinates [m]", self.landmarks)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from filter.arrays import LARGEST, Array, Floats, finite, floats, instance, number, read_only, shown
 from filter.errors import InvalidInput
@@ -75,7 +74,7 @@ def watch(
         raise InvalidInput(f"positions of {robots} robots, (n, 2)", f"shape {points.shape}")
     if (np.abs(points) > LARGEST).any():
         raise InvalidInput("finite positions [m], or NaN where nothing is said", shown(points.tolist()))
-    size = float(np.sqrt(chi2.ppf(number("probability", probability, 0, np.nextafter(1.0, 0)), 2)))
+    size = np.sqrt(-2 * np.log1p(-number("probability", probability, 0, np.nextafter(1.0, 0))))  # chi-square, 2 degrees
     roots = [None] * robots if covariances is None else list(size * _roots(covariances, robots))
     alarms = (_alarm(belief, k, points[k], roots[k]) for k in range(robots) if np.isfinite(points[k]).all())
     return tuple(alarm for alarm in alarms if alarm is not None)

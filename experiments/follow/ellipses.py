@@ -12,17 +12,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from experiments.follow.metrics import Metrics, rounded
-from filter.arrays import Array, Floats
-from filter.ekf import GaussianBelief
-from filter.errors import Inconsistent
-from filter.frame import Frame, Truth
-from filter.geometry.angles import wrap
-from filter.geometry.polygon import Polygon
+from filter import Array, Belief, Floats, Frame, GaussianBelief, Inconsistent, Polygon, SetMembershipFilter, Truth, watch, wrap
 from filter.projection.polygons_of import NOTHING, relative_position
 from filter.projection.projector import project_all
-from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
-from filter.watch import watch
 
 Row = dict[str, float | int | str | None]
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.frame import Frame, Truth
-from filter.sets.belief import Belief, Fallback, Rejected
+from filter import Belief, Fallback, Frame, Rejected, Truth
 
 Value = float | int | str | bool | None
 DIGITS = 6  # significant ones in a summary, of means and times; counts are exact

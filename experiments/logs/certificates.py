@@ -17,8 +17,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from filter.arrays import Array
-from filter.sets.belief import Belief, Proof, Source
+from filter import Array, Belief, Proof, Source
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"

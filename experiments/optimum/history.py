@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from experiments.follow.steps import Step
+from filter import Step
 from filter.arrays import Array, Integers
 from filter.geometry.polygon import Polygon, clip
 from filter.linear.constraints import WORLD, Constraints
@@ -52,7 +52,7 @@ class History:
     def __len__(self) -> int:
         return len(self._rows)
 
-    def add(self, step: Step) -> None:
+    def add(self, step: Step[Belief]) -> None:
         """Take in the filter's next step."""
         box = wider(step.belief.polytope, self.team.arena)
         now = len(self) * self.team.robots
@@ -77,7 +77,7 @@ class History:
         """Return the numbers of variables and of rows of that polytope."""
         return 2 * self.team.robots * (step + 1), sum(map(len, self._rows[: step + 1]))
 
-    def _measured(self, step: Step) -> Constraints:
+    def _measured(self, step: Step[Belief]) -> Constraints:
         """Return the rows of a step's bearings and ranges as the filter makes them, before it prunes."""
         known, rows = step.predicted.polytope, []
         for record in step.frame.measurements:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from filter.errors import CorralError, InvalidInput
+from filter import CorralError, InvalidInput
 
 Case = TypeVar("Case")
 Result = dict[str, Any]  # whatever JSON can hold

@@ -15,8 +15,9 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
 from filter.measurements import Range
+from filter.projection import projector
 from filter.projection.exact import Walker, project_exactly
-from filter.projection.polygons_of import NOTHING, Stop, position, projector, relative_position
+from filter.projection.polygons_of import NOTHING, Stop, position, relative_position
 from filter.projection.projector import EXACT, project_all
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

@@ -7,7 +7,8 @@ from scipy import sparse
 
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import workspace
-from filter.projection.polygons_of import NOTHING, Stop, position, projector
+from filter.projection import projector
+from filter.projection.polygons_of import NOTHING, Stop, position
 from filter.projection.projector import EXACT, Failure, broken_row, project_all
 
 

@@ -15,8 +15,8 @@ from filter.geometry.polygons import Polygons
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.measurements import Range
+from filter.projection import team as windows
 from filter.projection.polygons_of import NOTHING, Stop, position
-from filter.projection.polygons_of import team as windows
 from filter.projection.projector import EXACT, project_all
 from filter.projection.team import project_windows
 from filter.projection.walk import PROVED

@@ -9,8 +9,8 @@ from projection.test_exact import EVERYTHING
 from projection.test_team import merged
 
 from filter.linear.constraints import WORLD
+from filter.projection import team as windows
 from filter.projection.polygons_of import NOTHING, Stop, relative_position
-from filter.projection.polygons_of import team as windows
 from filter.projection.projector import EXACT, project_all
 from filter.projection.team import project_pairs
 from filter.projection.window import Window

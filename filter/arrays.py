@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -169,18 +170,26 @@ def whole_number(name: str, value: Any, low: int = 0, high: int = MAX_INDEX) -> 
     return int(array)
 
 
+def one_by_one(expected: str, values: Any) -> Iterator[Any]:
+    """Return what goes through a sequence, a generator or the like.
+
+    Raises:
+        InvalidInput: It holds nothing that one could go through.
+    """
+    try:
+        return iter(values)
+    except Exception:  # of a caller's own class, too
+        raise InvalidInput(expected, shown(values)) from None
+
+
 def several(expected: str, values: Any, *kinds: type) -> tuple[Any, ...]:
     """Return what a sequence, a generator or the like holds: things of some types.
 
     Raises:
-        InvalidInput: It holds nothing, or something else.
+        InvalidInput: It holds nothing that one could go through, or something else.
     """
-    try:
-        steps = iter(values)
-    except Exception:  # of a caller's own class, too
-        raise InvalidInput(expected, shown(values)) from None
     found = []
-    for each in steps:
+    for each in one_by_one(expected, values):
         if not isinstance(each, kinds):
             raise InvalidInput(expected, shown(each))
         found.append(each)

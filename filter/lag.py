@@ -10,7 +10,7 @@ from typing import Generic
 import numpy as np
 
 from filter.arrays import function, instance, number, settle
-from filter.follow import AnyBelief, Filter, Step, follow
+from filter.follow import AnyBelief, Filter, Step, check_filter, check_time, follow
 from filter.frame import Frame
 from filter.measurements import Measurement, Odometry, measurements_of
 
@@ -59,8 +59,7 @@ class FixedLag(Generic[AnyBelief]):
 
     def __post_init__(self) -> None:
         settle(self, lag=number("lag [s]", self.lag, 0))
-        for name in ("predict", "update"):
-            function(f"inner filter's {name}", None if isinstance(self.inner, type) else getattr(self.inner, name, None))
+        check_filter(self.inner)
         function("motion", self.motion)
 
     def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
@@ -69,8 +68,8 @@ class FixedLag(Generic[AnyBelief]):
         Raises:
             InvalidInput: It is no belief: it has no time.
         """
-        time = number("time of a belief [s]", getattr(belief, "time", None))
-        return Lagged((Step(Frame(time), belief, belief, 0.0),))
+        check_time(belief)
+        return Lagged((Step(Frame(belief.time), belief, belief, 0.0),))
 
     def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
         """Return what is known after measurements of any times, in any order.

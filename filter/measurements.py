@@ -164,7 +164,7 @@ def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
     Raises:
         InvalidInput: Something is no such record.
     """
-    return several("a sequence of compass, bearing and range records", records, Compass, Bearing, Range)
+    return several("records of compass, bearing or range", records, Compass, Bearing, Range)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ module that imports piqp, highspy and qpsolvers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,7 +16,7 @@ import piqp
 import qpsolvers
 from scipy import sparse
 
-from filter.arrays import Array, shown
+from filter.arrays import Array, several, shown
 from filter.errors import InvalidInput
 from filter.linear.program import LinearProgram
 from filter.linear.scaled import ScaledProgram
@@ -70,6 +70,21 @@ def check_solver(solver: Solver, others: Sequence[str] = ()) -> None:
     known = [*others, *sorted([*qpsolvers.available_solvers, SIMPLEX])]
     if not callable(solver) and not (isinstance(solver, str) and solver in known):
         raise InvalidInput(f"a solver among {', '.join(known)}", shown(solver))
+
+
+def checked_solvers(solvers: Iterable[Solver]) -> tuple[Solver, ...]:
+    """Return solvers that are all installed.
+
+    Raises:
+        InvalidInput: One is not, or they come as one text.
+    """
+    expected = 'a tuple of solvers, such as ("piqp", "highs")'
+    if isinstance(solvers, str):
+        raise InvalidInput(expected, shown(solvers))
+    every = several(expected, solvers, object)
+    for solver in every:
+        check_solver(solver)
+    return every
 
 
 def name_of(solver: Solver) -> str:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Array, Integers, function, instance, number, settle, several, shown, whole_number
+from filter.arrays import Array, Integers, function, instance, number, settle, shown, whole_number
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import SIDES, Polygon
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune
-from filter.linear.solvers import Solver, check_solver
+from filter.linear.solvers import Solver, check_solver, checked_solvers
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.projection.budget import Budget, IsOver, never
 from filter.projection.polygons_of import Stop
@@ -101,7 +101,6 @@ class SetMembershipFilter:
         instance("budget", self.budget, Budget, type(None))
         function("on_phase", self.on_phase)
         check_solver(self.solver, [EXACT])
-        fallbacks = _solvers(self.fallbacks)
         if not isinstance(self.scope, Window) and not (isinstance(self.scope, str) and self.scope == "team"):
             raise InvalidInput('a scope, "team" or a Window', shown(self.scope))
         if not isinstance(self.policy, str) or self.policy not in get_args(Policy):
@@ -114,7 +113,7 @@ class SetMembershipFilter:
             pairs=whole_number("pairs", self.pairs),
             corner_spacing=corners if corners is None else number("corner spacing [rad]", corners, 0.01, np.pi / 2),
             tangent_spacing=number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2),
-            fallbacks=fallbacks,
+            fallbacks=checked_solvers(self.fallbacks),
             threads=self.threads if self.threads is None else whole_number("threads", self.threads, 1),
         )
 
@@ -273,17 +272,6 @@ class SetMembershipFilter:
     def _with_rows(self, polytope: Polytope, rows: list[Constraints]) -> Polytope:
         more = [on_robots(each, polytope, self.team.landmarks) for each in rows]
         return polytope.with_constraints(Constraints.concatenate([polytope.constraints, *more]))
-
-
-def _solvers(solvers: Iterable[Solver]) -> tuple[Solver, ...]:
-    """Return solvers that are all installed."""
-    expected = 'fallbacks: a tuple of solvers, such as ("piqp", "highs")'
-    if isinstance(solvers, str):
-        raise InvalidInput(expected, shown(solvers))
-    every = several(expected, solvers, object)
-    for solver in every:
-        check_solver(solver)
-    return every
 
 
 def _moved(corner: Array, by: Array, outward: float) -> Array:

@@ -9,7 +9,7 @@ from typing import overload
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask, read_only
+from filter.arrays import Array, Frozen, Integers, Mask, chosen, read_only
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON, area_of, clip_into, clip_room, side_of_box, span_of
@@ -53,11 +53,11 @@ class Polygons(Frozen, Sequence[Polygon]):
     def __getitem__(self, index: slice) -> list[Polygon]: ...
 
     def __getitem__(self, index: int | slice) -> Polygon | list[Polygon]:
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        k = range(len(self))[index]
+        k = chosen("a polygon", index, len(self))
+        if isinstance(k, range):
+            return [self[each] for each in k]
         edges = slice(self.first[k], self.first[k + 1])
-        return Polygon(self.normals[edges], self.offsets[edges], self.vertices[edges], float(self.margin[k]))
+        return Polygon._of(self.normals[edges], self.offsets[edges], self.vertices[edges], float(self.margin[k]))
 
     @cached_property
     def owner(self) -> Integers:

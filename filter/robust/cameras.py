@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask, number
-from filter.errors import InvalidInput
+from filter.arrays import Array, Frozen, Mask, positive, settle
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,7 @@ class Alignment:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if number(name, value, 0, 1 if name == "share" else np.inf) == 0:
-                raise InvalidInput(f"{name}: above 0", 0)
+            settle(self, **{name: positive(name, value, 1 if name == "share" else np.inf)})
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask, number
-from filter.errors import InvalidInput
+from filter.arrays import Array, Frozen, Mask, positive, settle
 
 
 @dataclass(frozen=True)
@@ -37,10 +36,8 @@ class Suspicion:
     mercy: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("memory", "repeat", "strikes", "mercy"):
-            if number(name, getattr(self, name), 0) == 0:
-                raise InvalidInput(f"{name}: above 0", 0)
-        number("share", self.share, np.nextafter(0, 1), np.nextafter(1, 0))
+        for name, value in vars(self).items():
+            settle(self, **{name: positive(name, value, np.nextafter(1, 0) if name == "share" else np.inf)})
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ PLAIN = {
     "abc",
     "collections",
     "dataclasses",
+    "decimal",
     "enum",
     "fractions",
     "functools",
@@ -40,7 +41,7 @@ AND = {
     "filter.projection.team": {"concurrent", "os"},
 }
 # What some modules with compiled functions import for the others of their functions.
-NOT_IN_LOOPS = {"filter.projection.team": {"EXACT"}, "filter.sets.boxes": {"SIDES"}}
+NOT_IN_LOOPS = {"filter.geometry.angles": {"MOST_ROBOTS"}, "filter.projection.team": {"EXACT"}, "filter.sets.boxes": {"SIDES"}}
 MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 

@@ -41,9 +41,7 @@ def cut_box_into(into: tuple[Array, Integers], normals: Array, offsets: Array, l
     return cut_into(into, (normals, offsets, np.arange(len(offsets))), lower, upper, room(len(offsets)))
 
 
-Room = tuple[
-    Array, Array, Integers, Integers, Array
-]  # vertices and edges before and after a cut, and how far they are beyond it
+Room = tuple[Array, Array, Integers, Integers, Array]  # vertices and edges before and after a cut, and how far beyond it
 Lines = tuple[Array, Array, Integers]  # normals (r, 2) and offsets (r,), and which of them are meant
 
 
@@ -229,8 +227,7 @@ def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowan
                 least = k
         if left <= budget and not spent + added[least] <= allowance:
             break
-        keep[least] = False
-        left -= 1
+        keep[least], left = False, left - 1
         spent += added[least]
         last, following = before[least], after[least]
         after[last], before[following] = following, last

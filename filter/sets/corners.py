@@ -27,7 +27,7 @@ def with_corners(
 ) -> tuple[Polytope, Sources]:
     """Return a polytope with rows through the corners of all robots and pairs that something was proved of, and its table."""
     whose = np.unique(np.concatenate([np.stack([proof.i, proof.j], axis=1) for proof in proofs]), axis=0)
-    i, j = whose.T
+    i, j = np.ascontiguousarray(whose.T)  # of one pair it would be, of several not: two forms to compile
     table, numbers = sources.extended("region", time, j, i)
     more = corner_rows(polytope, i, j, spacing, numbers)
     return polytope.with_constraints(Constraints.concatenate([polytope.constraints, more])), table

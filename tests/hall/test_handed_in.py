@@ -121,11 +121,11 @@ def test_no_array_of_the_callers_is_kept_or_made_read_only(make):
 
 
 def test_no_list_of_the_callers_is_kept():
-    fallbacks, said = ["piqp"], records(0.0)
-    sets, frame = SetMembershipFilter(TEAM, fallbacks=fallbacks), Frame(0.0, None, said)
-    fallbacks.append("nobody")
+    solvers, said = ["piqp"], records(0.0)
+    sets, frame = SetMembershipFilter(TEAM, solvers=solvers), Frame(0.0, None, said)
+    solvers.append("nobody")
     said.clear()
-    assert sets.fallbacks == ("piqp",)
+    assert sets.solvers == ("piqp",)
     assert len(frame.measurements) == 3
 
 

@@ -234,5 +234,6 @@ def of_pair(polytope, i, j):
     return single(polytope.of(np.array([i]), np.array([j])))
 
 
-def single(cuts):
-    return (cuts.polygons[0], cuts.edges)
+def single(clipped):
+    """Return the one polygon, and what is behind each of its edges."""
+    return clipped.polygons[0], clipped.behind

@@ -43,7 +43,7 @@ def imply(
     for q in range(len(whose)):
         g, direction = whose[q], directions[q]
         members = np.array([j[g]]) if i[g] == WORLD else np.array([j[g], i[g]])
-        following = _farthest(vertices, first[g], first[g + 1], direction)
+        following = _corner((normals, vertices), first[g], first[g + 1], direction)
         before = following - 1 if following > first[g] else first[g + 1] - 1
         rows[q, 0], rows[q, 1], prices[q] = behind[before], behind[following], 0.0
         turned = across(normals[before], normals[following])
@@ -55,13 +55,18 @@ def imply(
 
 
 @compiled
-def _farthest(vertices: Array, begin: int, end: int, direction: Array) -> int:
-    """Return the vertex that is farthest in a direction; an edge begins at each, and ends at the next."""
-    chosen, most = begin, -np.inf
+def _corner(edges: tuple[Array, Array], begin: int, end: int, direction: Array) -> int:
+    """Return the vertex that is farthest in a direction; an edge begins at each, and ends at the next.
+
+    Where several rows meet in one point, vertices coincide: only two edges that turn past the direction prove anything tight.
+    """
+    (normals, vertices), chosen, most, turns_past = edges, begin, -np.inf, False
     for k in range(begin, end):
+        a, b = normals[k - 1 if k > begin else end - 1], normals[k]
+        between = across(a, b) > 0 and across(a, direction) >= 0 and across(direction, b) >= 0
         along = direction[0] * vertices[k, 0] + direction[1] * vertices[k, 1]
-        if along > most:
-            chosen, most = k, along
+        if (between, along) > (turns_past, most):
+            chosen, most, turns_past = k, along, between
     return chosen
 
 

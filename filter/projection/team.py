@@ -158,7 +158,7 @@ class Projector:
         of_robot = next((each for each in failures if each.which is not None), Failure(0, (), first))
         of_robot = Failure(robot, (*lost, *of_robot.failed), of_robot.used)
         deepest = tuple(replace(each, which=robot) for each in failures if each.which is None)
-        return (*deepest, of_robot) if of_robot.failed else deepest
+        return tuple(dict.fromkeys((*deepest, of_robot) if of_robot.failed else deepest))
 
     def _with_the_inside(self, polytope: Polytope, outlines: Outlines, failures: tuple[Failure, ...]) -> Outlined:
         """Return what was found, with inner polygons only if the whole team is known to have a point inside.

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust.test_robust_filter import started, world_of
+from helpers.robust_worlds import started, world_of
 
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -12,7 +12,7 @@ from filter.measurements import Bearing, Range
 from filter.robust.belief import Distrusted, Restarted
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
-from filter.sets.belief import Rejected
+from filter.sets.events import Rejected
 from filter.team import Team
 
 ROBOTS = 4

@@ -18,8 +18,8 @@ from filter.projection.window import WindowProgram
 LEAST_RATIO = 0.999
 # A point is on a row when less than this share of the box is between them; so often is another one looked for.
 CLOSE, ATTEMPTS = 4e-9, 8
-# So many corners at most does an inner polygon have.
-MOST_CORNERS = 64
+# So many corners at most does an inner polygon have: a circle, of all shapes the worst, is left with 90 or so.
+MOST_CORNERS = 128
 
 
 @compiled

@@ -90,7 +90,8 @@ class Projector:
                 alone = self._searched(polytope, who, robot, is_over)
                 if alone.contradiction is not None:
                     return alone
-                pieces.append((np.array([robot]), alone.outlines))
+                late[robot] = not len(alone.outlines.outer)
+                pieces.append((np.full(len(alone.outlines.outer), robot), alone.outlines))
                 failures += alone.failures
         unrefined = np.flatnonzero(late)
         pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), len(polytope.constraints), "time")))
@@ -132,7 +133,7 @@ class Projector:
         return _Walks.of(chunks, results, len(rows))
 
     def _searched(self, polytope: Polytope, who: Links, robot: int, is_over: IsOver) -> Outlined:
-        """Search one robot's window by the solvers."""
+        """Search one robot's window by the solvers; there are no outlines where time ran out before."""
         rows, place = polytope.constraints, np.full(len(polytope.lower), -1)
         members = np.sort(members_of_robot(robot, self.window.hops, self.window.robots, who, place))
         place[members] = np.arange(len(members))
@@ -149,6 +150,8 @@ class Projector:
             multipliers = np.zeros(len(rows))
             multipliers[np.sort(number)] = found.contradiction
             return _empty(multipliers)
+        if not found.complete:
+            return Outlined(_nothing())
         return Outlined(_outline(found.complete[0], own, np.sort(number)), self._named(robot, found.failures))
 
     def _named(self, robot: int, failures: Sequence[Failure]) -> tuple[Failure, ...]:

@@ -231,7 +231,7 @@ def edges_of(
         normals[at, 0], normals[at, 1] = edge_of(program, plane, trace, kept[at], rows[at], prices[at])
         offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
         # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
-        if i == WORLD and not is_tight(plane, seen[kept[at]], normals[at], offsets[at]):
+        if i == WORLD and not is_tight(plane, seen[kept[at]], normals[at], offsets[at], prices[at].sum()):
             how = LOST
     return how, Edges(normals, offsets, rows, prices, why)
 
@@ -251,12 +251,12 @@ def edge_of(program: WindowProgram, plane: Plane, trace: Trace, k: int, rows: In
 
 
 @compiled
-def is_tight(plane: Plane, vertex: Array, normal: Array, offset: float) -> bool:
-    """Return whether a proved edge is no farther out than its vertex (2,), but for rounding."""
+def is_tight(plane: Plane, vertex: Array, normal: Array, offset: float, price: float) -> bool:
+    """Return whether a proved edge is no farther out than its vertex (2,), but for rounding: more where rows cost more."""
     reached = 0.0
     for m in range(2):
         reached += normal[m] * (plane.middle[m] + plane.size[m] * vertex[m])
-    return offset - reached <= BEYOND * max(plane.size[0], plane.size[1]) + 64 * EPSILON * plane.far + SMALLEST
+    return offset - reached <= BEYOND * max(plane.size[0], plane.size[1]) + 64 * EPSILON * plane.far * (1 + price) + SMALLEST
 
 
 @compiled

@@ -69,7 +69,9 @@ def refined(time: float, polytope: Polytope, sources: Sources, projector: Projec
         raise _inconsistent(time, polytope, sources, found.contradiction)
     table, numbers = sources.extended("region", time, robots)
     outlines, whose = found.outlines, (np.full(len(robots), WORLD), robots)
-    late = np.array([reason == "time" for reason in outlines.reasons], dtype=bool) & bool(len(polytope.origin))
+    # A search that time cut short had its turn: otherwise it would be the first again, and nobody else would ever come.
+    late = np.array([reason == "time" for reason in outlines.reasons], dtype=bool) & (outlines.searches == 0)
+    late &= bool(len(polytope.origin))
     own, row = edges_as_rows(polytope, outlines, whose, numbers)
     lower, upper, boxes = proved_boxes(polytope, table, outlines, (own, row), np.flatnonzero(~late))
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)

@@ -190,10 +190,17 @@ class SetMembershipFilter:
             belief: Stays as it is.
             i: (g,) from whom.
             j: (g,) who; another robot.
+
+        Raises:
+            InvalidInput: These are no pairs of two robots of the team.
         """
-        first, second = np.minimum(i, j), np.maximum(i, j)
+        one, other = whole("robots of pairs", i), whole("robots of pairs", j)
+        largest = max(one.max(initial=0), other.max(initial=0))
+        if one.ndim != 1 or one.shape != other.shape or (one == other).any() or largest >= self.team.robots:
+            raise InvalidInput(f"(g,) robots below {self.team.robots} and (g,) others", f"{one.tolist()} and {other.tolist()}")
+        first, second = np.minimum(one, other), np.maximum(one, other)
         seen = self._projector.pairs(belief.polytope, (first, second)).outlines.outer
-        return seen.turned_about(i > j)
+        return seen.turned_about(one > other)
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         self.on_phase("headings")

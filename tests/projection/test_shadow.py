@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from projection.test_simplex import LIMIT, begun
+from helpers.walks import LIMIT, begun
 
 from filter.projection.shadow import LONGEST, no_trace, simplified, turn
 from filter.projection.simplex import FOUND, LOST, become_feasible

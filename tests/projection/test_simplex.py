@@ -2,32 +2,10 @@
 
 import numpy as np
 import pytest
-from filter.projection.exact import _rows
-from projection.test_exact import random_program
+from helpers.walks import LIMIT, begun, dense
 from scipy.optimize import linprog
 
-from filter.linear.scaled import ScaledProgram
 from filter.projection.simplex import EMPTY, FOUND, LOST, Rows, become_feasible, combination, corner, exchange, locate, mend
-
-LIMIT = 2000
-
-
-def rows_of(seed, robots=4, count=60):
-    return _rows(ScaledProgram.of(random_program(np.random.default_rng(seed), robots, count)))
-
-
-def dense(rows, variables):
-    matrix = np.zeros((len(rows.offset), variables))
-    for i in range(len(rows.offset)):
-        np.add.at(matrix[i], rows.column[i], rows.value[i])
-    return matrix
-
-
-def begun(seed, robots=4):
-    rows = rows_of(seed, robots)
-    variables = rows.column.max() + 1
-    objective = np.random.default_rng(seed + 100).uniform(0.5, 1, variables) * (-1.0) ** np.arange(variables)
-    return rows, corner(rows, objective), objective
 
 
 def consistent(rows, basis, tolerance=1e-9):

@@ -1,206 +1,248 @@
-"""Regions in windows: sound, near those of the whole team, the same as theirs when a window holds everybody."""
-
-from dataclasses import replace
-from fractions import Fraction
+"""Regions of a team: the same as the whole team's program gives, larger in windows, and the same on any number of threads."""
 
 import numpy as np
 import pytest
-from filter.geometry.polygons import Polygons
-from helpers.worlds import World, escapes
-from projection.test_exact import EVERYTHING, random_program
+from helpers.programs import (
+    EVERYTHING,
+    every_pair,
+    everybody,
+    excess,
+    merged_team,
+    random_polytope,
+    round_set,
+    supports,
+    with_strangers,
+)
+from helpers.teams import begun, beliefs
+from helpers.worlds import NO_ROWS, World, escapes, unit
 
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.linear.constraints import WORLD
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.measurements import Range
-from filter.projection import team as windows
-from filter.projection.fallback import EXACT, project_all
-from filter.projection.proved import NOTHING, position
+from filter.projection.fallback import Failure
 from filter.projection.stop import Stop
-from filter.projection.team import project_windows
-from filter.projection.walk import PROVED
-from filter.projection.window import Window, links, members_of
+from filter.projection.team import Projector
+from filter.projection.window import Window
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
-FULL = Window(hops=9, robots=99)
+DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))
+NAMES = ("normals", "offsets", "vertices", "margin", "first")
 
 
-def merged(seed, robots=5, errors="uniform"):
-    """Return the polytope of a team after some steps, as it is before a search."""
-    world = World(np.random.default_rng(seed), robots=robots, errors=errors)
-    caught = []
-    estimator = SetMembershipFilter(world.team)
-    with pytest.MonkeyPatch.context() as patch:
-        from filter.sets import set_membership
+def same_bits(one, other):
+    """Return whether two outlines are the same to the last bit."""
+    pairs = [(getattr(one.outer, name), getattr(other.outer, name)) for name in NAMES]
+    pairs += [(getattr(one.weights, name), getattr(other.weights, name)) for name in ("row", "weight", "first")]
+    pairs += [(one.inner.corners, other.inner.corners), (one.searches, other.searches)]
+    return all(a.tobytes() == b.tobytes() for a, b in pairs) and one.reasons == other.reasons
 
-        original = set_membership.searched
-        patch.setattr(
-            set_membership,
-            "searched",
-            lambda time, polytope, *a, **k: caught.append(polytope) or original(time, polytope, *a, **k),
+
+def together(*parts):
+    """Return the polytope of some teams that have nothing to do with one another, one after the other."""
+    rows, before = [], 0
+    for part in parts:
+        few = part.constraints
+        rows.append(
+            Constraints(np.where(few.i == WORLD, WORLD, few.i + before), few.j + before, few.normal, few.offset, few.source)
         )
-        belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
-        for motion, records in world.steps(2):
-            belief = estimator.update(estimator.predict(belief, motion.time, motion), records)
-    return caught[-1]
+        before += len(part.lower)
+    box = (np.concatenate([getattr(part, name) for part in parts]) for name in ("lower", "upper"))
+    return Polytope(Constraints.concatenate(rows), *box)
 
 
-def team_regions(polytope):
-    robots = len(polytope.lower)
-    known = [
-        (polytope.constraints.normal[k], polytope.constraints.offset[k])
-        for k in (polytope.constraints.rows_of(-1, r) for r in range(robots))
-    ]
-    return project_all(
-        polytope.program(), [position(r, robots) for r in range(robots)], known, [EXACT, "piqp"], EVERYTHING
-    ).found
+def line(robots=1):
+    """Return robots on lines, of which no point is proved to be one of them."""
+    normal = np.tile([[0.6, -0.8], [-0.6, 0.8]], (robots, 1))
+    robot, offset = np.repeat(np.arange(robots), 2), np.tile([0.1, -0.1], robots)
+    rows = Constraints(np.full(2 * robots, WORLD), robot, normal, offset, np.zeros(2 * robots, dtype=int))
+    return Polytope(rows, np.zeros((robots, 2)), np.ones((robots, 2)))
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_window_of_everybody_gives_the_regions_of_the_team(seed):
-    polytope = merged(seed)
-    outlines = project_windows(polytope, FULL, [EXACT], EVERYTHING).outlines
-    for mine, theirs in zip(outlines.outer, team_regions(polytope), strict=True):
-        assert mine.area == pytest.approx(theirs.outer.area, rel=1e-6)
-        assert (mine.support(theirs.outer.normals) >= theirs.outer.support(theirs.outer.normals) - 1e-8).all()
+def test_a_window_of_everybody_gives_what_the_whole_teams_program_says(seed):
+    for polytope in (merged_team(seed), random_polytope(np.random.default_rng(seed), 6, 90)):
+        found = everybody().robots(polytope)
+        assert not found.failures
+        for robot, outer in enumerate(found.outlines.outer):
+            assert outer.support(DIRECTIONS) == pytest.approx(supports(polytope, DIRECTIONS, robot), rel=0, abs=1e-9)
+            true = supports(polytope, outer.normals, robot)
+            assert (outer.offsets >= true - 1e-9).all()
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_window_of_everybody_gives_what_the_whole_teams_program_says_of_pairs(seed):
+    polytope, (i, j) = merged_team(seed), every_pair(5)
+    found = everybody().pairs(polytope, (i, j))
+    assert not found.failures
+    for k, outer in enumerate(found.outlines.outer):
+        true = supports(polytope, DIRECTIONS, j[k], i[k])
+        assert outer.support(DIRECTIONS) == pytest.approx(true, rel=0, abs=1e-9)
+
+
+def test_a_window_as_large_as_the_team_is_that_of_everybody():
+    polytope = merged_team(1)
+    one, other = everybody().robots(polytope).outlines, Projector(Window(9, 99), EVERYTHING).robots(polytope).outlines
+    assert other.outer.offsets.tobytes() == one.outer.offsets.tobytes()
+    assert one.inner.known.all()
+    assert not other.inner.known.any()
 
 
 @pytest.mark.parametrize("robots", [2, 3])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_smaller_window_gives_larger_regions(seed, robots):
-    polytope = merged(seed)
-    outlines = project_windows(polytope, Window(1, robots), [EXACT], EVERYTHING).outlines
-    for mine, theirs in zip(outlines.outer, team_regions(polytope), strict=True):
-        assert mine.contains(theirs.inner.vertices).all()
-    assert outlines.inner == (None,) * len(polytope.lower)
+    polytope = merged_team(seed)
+    whole = everybody().robots(polytope).outlines
+    areas = []
+    for hops in (1, 2):
+        outlines = Projector(Window(hops, robots), EVERYTHING).robots(polytope).outlines
+        for mine, theirs in zip(outlines.outer, whole.outer, strict=True):
+            assert (mine.support(theirs.normals) >= theirs.support(theirs.normals) - 1e-9).all()
+        for robot, mine in enumerate(outlines.outer):
+            assert mine.contains(whole.inner[robot].vertices).all()
+        assert not outlines.inner.known.any()
+        areas.append(outlines.outer.areas.sum())
+    assert areas[0] > whole.outer.areas.sum() * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_who_has_nothing_to_do_with_a_robot_does_not_matter_to_it(exact):
+    one, other = merged_team(0, robots=4), merged_team(1, robots=3)
+    projector = everybody(exact=exact, stop=EVERYTHING if exact else Stop(), solvers=("piqp",))
+    both = projector.robots(together(one, other)).outlines
+    apart = [projector.robots(part).outlines for part in (one, other)]
+    areas = np.concatenate([each.outer.areas for each in apart])
+    assert both.outer.areas == pytest.approx(areas, rel=1e-9 if exact else 2e-3)
+    assert both.inner.areas == pytest.approx(np.concatenate([each.inner.areas for each in apart]), rel=1e-3)
+    assert both.reasons == tuple(reason for each in apart for reason in each.reasons)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_every_offset_is_proved_by_its_rows_in_exact_arithmetic(seed):
-    polytope = merged(seed, errors="extreme" if seed % 2 else "uniform")
+    polytope = merged_team(seed, errors="extreme" if seed % 2 else "uniform")
     rows = polytope.constraints
-    found = project_windows(polytope, Window(1, 4), [EXACT], Stop()).outlines
-    assert (found.behind == PROVED).sum() >= len(polytope.lower)
+    found = Projector(Window(1, 4), Stop()).robots(polytope).outlines
+    assert (found.weights.counts > 1).sum() >= 5
+    beyond = [float(each) for each in excess(polytope, found, np.full(5, WORLD), np.arange(5))]
+    assert min(beyond) > -1e-7
+    assert max(beyond) <= 0
     for edge, robot in enumerate(found.outer.owner.tolist()):
-        claims = slice(found.row_first[edge], found.row_first[edge + 1])
-        direction = {(robot, m): Fraction(found.outer.normals[edge, m]) for m in range(2)}
-        bound = Fraction(0)
-        for row, price in zip(found.row[claims].tolist(), map(Fraction, found.multiplier[claims].tolist()), strict=True):
-            bound += price * Fraction(rows.offset[row])
-            for body, sign in ((int(rows.j[row]), 1), (int(rows.i[row]), -1)):
-                for m in range(2) if body >= 0 else ():
-                    less = sign * price * Fraction(rows.normal[row, m])
-                    direction[body, m] = direction.get((body, m), Fraction(0)) - less
-        for (body, m), left in direction.items():
-            bound += max(left * Fraction(polytope.lower[body, m]), left * Fraction(polytope.upper[body, m]))
-        itself = [
-            row
-            for row in rows.rows_of(-1, robot).tolist()
-            if (*rows.normal[row], rows.offset[row]) == (*found.outer.normals[edge], found.outer.offsets[edge])
-        ]
-        assert (found.behind[edge] in itself) if itself else found.behind[edge] < 0
-        assert bound <= Fraction(found.outer.offsets[edge])
-        assert found.outer.offsets[edge] - float(bound) < 1e-7
+        line = (*found.outer.normals[edge], found.outer.offsets[edge])
+        itself = [row for row in rows.rows_of(WORLD, robot).tolist() if (*rows.normal[row], rows.offset[row]) == line]
+        used, weights = found.weights.rests_on(edge)
+        assert not itself or (used[0] in itself and weights.tolist() == [1.0])
 
 
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])
 @pytest.mark.parametrize("window", [Window(1, 2), Window(1, 12), Window(2, 3)])
 def test_no_robot_escapes(errors, window):
     world = World(np.random.default_rng(7), robots=6, errors=errors)
-    estimator = SetMembershipFilter(world.team, scope=window)
-    belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
-    for motion, records in world.steps(6):
-        belief = estimator.update(estimator.predict(belief, motion.time, motion), records)
-        assert escapes(belief, world.positions, world.headings) == []
+    for belief in beliefs(SetMembershipFilter(world.team, scope=window), world):
         assert {region.reason for region in belief.regions} <= {"exact", "performance ratio"}
 
 
-def test_the_members_are_the_nearest_and_no_more_than_there_is_room_for():
-    world = World(np.random.default_rng(3), robots=6)
-    rows = merged(3, robots=6).constraints
-    who = links(rows, 6)
-    for robot in range(6):
-        near = {int(j) if i == robot else int(i) for i, j in zip(rows.i, rows.j, strict=True) if robot in (i, j) and i >= 0}
-        place = np.full(6, -1)
-        members = members_of(WORLD, robot, 1, 99, who.near, who.near_first, place)
-        assert members[0] == robot
-        assert set(members.tolist()) == {robot, *near}
-        assert (place[members] == np.arange(len(members))).all()
-        assert len(members_of(WORLD, robot, 1, 2, who.near, who.near_first, np.full(6, -1))) == min(2, 1 + len(near))
-    assert world is not None
+@pytest.mark.parametrize("scope", [Window.everybody(), Window(1, 4)])
+def test_far_from_the_origin_no_walk_is_lost(scope):
+    world = World(np.random.default_rng(1), robots=6, errors="extreme", origin=np.full(2, 5e6))
+    for belief in beliefs(SetMembershipFilter(world.team, scope=scope), world, 4):
+        assert belief.events == ()
 
 
-def lose(monkeypatch, robots):
-    """Let the walks of some robots come to nothing."""
-    original = windows._outlines
+@pytest.mark.parametrize("window", [Window.everybody(), Window(1, 3)])
+def test_a_lost_walk_among_others_is_searched_and_put_in_its_place(window):
+    """The searched region is what it is, to the search's goal, and stands where it belongs."""
+    polytope = merged_team(2)
+    whole = Projector(window, Stop(), solvers=()).robots(polytope).outlines
+    lost = Projector(window, Stop(), solvers=("piqp", "highs")).robots(with_strangers(polytope, [1, 3]))
+    assert lost.failures == (Failure(1, ("walk",), "piqp"), Failure(3, ("walk",), "piqp"))
+    others = np.array([0, 2, 4, 5, 6])
+    assert lost.outlines.outer.areas[others] == pytest.approx(whole.outer.areas, rel=1e-9)
+    assert lost.outlines.select(others).weights.counts.tolist() == whole.weights.counts.tolist()
+    exact = round_set().area
+    assert (exact <= lost.outlines.outer.areas[[1, 3]]).all()
+    assert (lost.outlines.outer.areas[[1, 3]] <= exact * 1.002).all()
+    assert lost.outlines.inner.known.all() == window.leaves_nobody_out
+    everyone = np.full(7, WORLD), np.arange(7)
+    assert max(excess(with_strangers(polytope, [1, 3]), lost.outlines, *everyone)) <= 0
 
-    def outlines(sheets):
-        found = original(sheets)
-        gone = np.isin(np.arange(len(found.outer)), robots)
-        counts = np.where(gone, 0, np.diff(found.outer.first))
-        left = found.select(np.flatnonzero(~gone))
-        outer = Polygons(
-            left.outer.normals, left.outer.offsets, left.outer.vertices, found.outer.margin, np.cumsum([0, *counts])
-        )
-        return replace(left, outer=outer, inner=found.inner, searches=found.searches, reasons=found.reasons)
 
-    monkeypatch.setattr(windows, "_outlines", outlines)
-
-
-def test_a_window_that_is_lost_is_searched_and_the_event_says_so(monkeypatch):
-    lose(monkeypatch, [0, 1, 2])
+@pytest.mark.parametrize("scope", [Window.everybody(), Window(1, 3)])
+def test_a_lost_walk_is_searched_and_the_event_says_so(scope):
     world = World(np.random.default_rng(1), robots=3)
-    estimator = SetMembershipFilter.light(world.team, scope=Window(1, 3))
-    belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
+    sets = [round_set(position) for position in world.positions]
+    estimator = SetMembershipFilter.light(world.team, scope=scope, rows_per_robot=600)
+    belief = estimator.update(estimator.start(0.0, sets, world.initial_headings()))
+    assert [(event.robot, event.failed, event.used) for event in belief.events] == [(k, ("walk",), "piqp") for k in range(3)]
     assert escapes(belief, world.positions, world.headings) == []
-    assert [(event.robot, event.failed, event.used) for event in belief.events] == [(k, ("exact",), "piqp") for k in range(3)]
+    assert belief.regions.outer.areas == pytest.approx([sets[0].area] * 3, rel=2e-3)
+    assert escapes(estimator.update(belief, world.measure()), world.positions, world.headings) == []
 
 
-def test_one_lost_window_among_others_is_put_in_its_place(monkeypatch):
-    """The searched region is the walked one, to the search's goal, and stands where it belongs."""
-    polytope = merged(2)
-    whole = project_windows(polytope, Window(1, 3), [EXACT, "piqp"], Stop()).outlines
-    lose(monkeypatch, [1, 3])
-    found = project_windows(polytope, Window(1, 3), [EXACT, "piqp"], Stop())
-    assert [failure.plane for failure in found.failures] == [1, 3]
-    assert found.outlines.outer.areas == pytest.approx(whole.outer.areas, rel=2e-3)
-    for robot in (0, 2, 4):
-        assert found.outlines.outer[robot].vertices.tolist() == whole.outer[robot].vertices.tolist()
-        edge, same = found.outlines.outer.first[robot], whole.outer.first[robot]
-        assert found.outlines.row_first[edge + 1] - found.outlines.row_first[edge] == np.diff(whole.row_first)[same]
-
-
-def test_without_anybody_to_search_what_is_known_is_left(monkeypatch):
-    lose(monkeypatch, [0, 1, 2])
+def test_without_anybody_to_search_what_is_known_is_left():
     world = World(np.random.default_rng(1), robots=3)
-    estimator = SetMembershipFilter(world.team, scope=Window(1, 3), fallbacks=())
-    belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
+    sets = [round_set(position) for position in world.positions]
+    estimator = SetMembershipFilter.light(world.team, scope=Window(1, 3), solvers=(), rows_per_robot=600)
+    belief = estimator.update(estimator.start(0.0, sets, world.initial_headings()))
+    assert [(event.robot, event.failed, event.used) for event in belief.events] == [(k, ("walk",), None) for k in range(3)]
     assert escapes(belief, world.positions, world.headings) == []
     assert {region.reason for region in belief.regions} == {"solver"}
+    assert belief.regions.outer.areas == pytest.approx([sets[0].area] * 3, rel=1e-9)
 
 
-def test_a_contradiction_within_a_window_names_its_measurements():
-    estimator = SetMembershipFilter(Team(1, landmarks=[[0.0, 0.0], [4.0, 0.0]]), scope=Window())
+def test_inner_polygons_are_known_only_when_every_part_has_a_proved_point():
+    good = merged_team(0, robots=3)
+    for part, known in ((merged_team(1, robots=2), True), (line(), False), (line(2), False)):
+        for polytope in (together(good, part), together(part, good)):
+            found = everybody(solvers=("piqp", "highs")).robots(polytope)
+            assert found.contradiction is None
+            assert found.outlines.inner.known.tolist() == [known] * len(polytope.lower)
+    assert everybody().robots(good).outlines.inner.known.all()
+
+
+def test_a_part_that_is_empty_by_less_than_a_walk_sees_is_proved_empty_by_solvers():
+    good, part = merged_team(0, robots=3), line()
+    rows = part.constraints
+    for gap in (5e-9, 1e-11):
+        apart = Constraints(rows.i, rows.j, rows.normal, rows.offset - np.array([0.0, gap]), rows.source)
+        polytope = together(good, part.with_constraints(apart))
+        found = everybody(solvers=("piqp", "highs")).robots(polytope)
+        assert polytope.program().proves_empty(found.contradiction)
+        nobody = everybody().robots(polytope)
+        assert nobody.contradiction is not None or not nobody.outlines.inner.known.any()
+
+
+@pytest.mark.parametrize("window", [Window.everybody(), Window()])
+def test_where_time_ran_out_nothing_is_known_from_inside(window):
+    polytope = merged_team(0)
+    found = Projector(window, Stop()).robots(polytope, is_over=lambda: True)
+    assert found.outlines.reasons == ("time",) * 5
+    assert not found.outlines.inner.known.any()
+    assert found.outlines.outer.areas.tolist() == polytope.of_robots(np.arange(5)).polygons.areas.tolist()
+
+
+@pytest.mark.parametrize("scope", [Window.everybody(), Window()])
+def test_a_contradiction_names_its_measurements(scope):
+    estimator = SetMembershipFilter(Team(1, landmarks=[[0.0, 0.0], [4.0, 0.0]]), scope=scope)
     belief = estimator.start(0.0, [Polygon.box([-5, -5], [5, 5])], AngularIntervals.circles(1))
     with pytest.raises(Inconsistent) as caught:
         estimator.update(belief, [Range(0.0, [0, 0], [1, 2], [1.0, 1.0], 0.1, 0.0)])
     assert {source.target for source in caught.value.sources} == {1, 2}
 
 
-def test_sets_without_an_interior():
-    polytope = Polytope(
-        merged(0, robots=2).constraints.select(np.zeros(0, dtype=int)), np.zeros((2, 2)), np.array([[0.0, 0.0], [1.0, 0.0]])
-    )
-    point, segment = project_windows(polytope, Window(), [EXACT], Stop()).outlines.outer
+@pytest.mark.parametrize("window", [Window.everybody(), Window()])
+def test_sets_without_an_interior(window):
+    polytope = Polytope(NO_ROWS, np.zeros((2, 2)), np.array([[0.0, 0.0], [1.0, 0.0]]))
+    point, segment = Projector(window, Stop()).robots(polytope).outlines.outer
     assert point.area == 0
     assert segment.bounds[1] == pytest.approx([1.0, 0.0])
 
 
-def test_anchored_robots_in_windows_are_no_trouble():
-    estimator = SetMembershipFilter(Team(2), scope=Window())
+@pytest.mark.parametrize("scope", [Window.everybody(), Window()])
+def test_anchored_robots_are_no_trouble(scope):
+    estimator = SetMembershipFilter(Team(2), scope=scope)
     belief = estimator.start(0.0, [Polygon.box([0, 0], [0, 0]), Polygon.box([1, 0], [1, 0])])
     after = estimator.update(belief, [Range(0.0, 0, 1, 1.0, 0.1, 0.0)])
     assert [region.outer.area for region in after.regions] == pytest.approx([0, 0], abs=1e-12)
@@ -208,42 +250,44 @@ def test_anchored_robots_in_windows_are_no_trouble():
         estimator.update(belief, [Range(0.0, 0, 1, 5.0, 0.1, 0.0)])
 
 
-@pytest.mark.parametrize("values", [{"hops": 0}, {"robots": 1}])
-def test_a_window_too_small_is_refused(values):
-    with pytest.raises(InvalidInput, match="of a window"):
-        Window(**values)
-
-
 def test_a_scope_that_is_none_is_refused():
     with pytest.raises(InvalidInput, match="a scope"):
-        SetMembershipFilter(Team(1), scope="neighbours")
+        SetMembershipFilter(Team(1), scope="team")
 
 
-def test_programs_of_other_kinds_are_left_to_the_search():
-    program = random_program(np.random.default_rng(0), 3, 20)
-    assert project_all(program, [position(0, 3)], [NOTHING], [EXACT], Stop()).found[0].reason == "exact"
-
-
+@pytest.mark.parametrize("window", [Window.everybody(), Window(1, 4)])
 @pytest.mark.parametrize("threads", [2, 5])
-def test_the_number_of_threads_makes_no_difference_to_the_last_bit(threads, monkeypatch):
-    monkeypatch.setattr(windows, "TOGETHER", 3)
-    polytope = merged(5, robots=8)
-    one, other = (project_windows(polytope, Window(1, 4), [EXACT], Stop(), threads=t).outlines for t in (1, threads))
-    assert one.outer.offsets.tolist() == other.outer.offsets.tolist()
-    assert one.outer.vertices.tolist() == other.outer.vertices.tolist()
-    assert one.multiplier.tolist() == other.multiplier.tolist()
-    assert one.behind.tolist() == other.behind.tolist()
+def test_the_number_of_threads_makes_no_difference_to_the_last_bit(threads, window, monkeypatch):
+    monkeypatch.setattr("filter.projection.team.TOGETHER", 3)
+    polytope, pairs = merged_team(5, robots=8), every_pair(8)
+    one, other = (Projector(window, Stop(), threads=each) for each in (1, threads))
+    assert same_bits(one.robots(polytope).outlines, other.robots(polytope).outlines)
+    assert same_bits(one.pairs(polytope, pairs).outlines, other.pairs(polytope, pairs).outlines)
 
 
-def test_the_order_that_robots_are_asked_in_makes_no_difference(monkeypatch):
-    monkeypatch.setattr(windows, "TOGETHER", 2)
-    polytope = merged(5, robots=7)
+def test_how_many_are_projected_together_makes_no_difference_to_the_last_bit(monkeypatch):
+    polytope = merged_team(5, robots=7)
+    one = everybody(Stop()).robots(polytope).outlines
+    monkeypatch.setattr("filter.projection.team.TOGETHER", 2)
+    assert same_bits(one, everybody(Stop()).robots(polytope).outlines)
+
+
+@pytest.mark.parametrize("window", [Window.everybody(), Window(1, 4)])
+def test_the_order_that_robots_are_asked_in_makes_no_difference(window, monkeypatch):
+    monkeypatch.setattr("filter.projection.team.TOGETHER", 2)
+    polytope, projector = merged_team(5, robots=7), Projector(window, Stop())
     order = np.random.default_rng(0).permutation(7)
-    one = project_windows(polytope, Window(1, 4), [EXACT], Stop()).outlines
-    other = project_windows(polytope, Window(1, 4), [EXACT], Stop(), order=order).outlines
-    for name in ("behind", "row", "multiplier", "row_first", "searches", "reasons"):
-        assert list(getattr(one, name)) == list(getattr(other, name))
-    assert one.outer.vertices.tolist() == other.outer.vertices.tolist()
+    assert same_bits(projector.robots(polytope).outlines, projector.robots(polytope, order=order).outlines)
+
+
+def test_the_same_beliefs_give_the_same_bits():
+    world = World(np.random.default_rng(5), robots=4)
+    estimator = SetMembershipFilter(world.team)
+    belief, records = begun(estimator, world), world.measure()
+    one, other = estimator.update(belief, records), estimator.update(belief, records)
+    for mine, theirs in zip(one.regions, other.regions, strict=True):
+        assert mine.outer.offsets.tobytes() == theirs.outer.offsets.tobytes()
+        assert mine.inner.vertices.tobytes() == theirs.inner.vertices.tobytes()
 
 
 @pytest.mark.parametrize("threads", [0, 1.5])

@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from helpers.worlds import World
+from helpers.worlds import World, exact_claim
 
-from filter.sets.belief import KINDS, Source, Sources
+from filter.linear.sources import KINDS, Source, Sources
 from filter.sets.set_membership import SetMembershipFilter
 
 
@@ -34,7 +34,7 @@ def believed():
 
 def test_every_array_of_a_belief_is_read_only(believed):
     for belief in believed:
-        found = list(arrays_within(belief))
+        found = list(arrays_within((belief, belief.regions)))
         assert len(found) > 20
         assert not any(array.flags.writeable for array in found if array.size)
 
@@ -96,3 +96,42 @@ def test_a_table_of_sources_grows_and_is_selected():
 def test_a_source_says_who_what_and_when():
     assert str(Source("range", 1.5, 2, 7)) == "range of robot 2 to 7 at 1.500 s"
     assert str(Source("region", 0.0, 2)) == "region of robot 2 at 0.000 s"
+
+
+def test_regions_are_those_of_the_update_or_else_what_is_known_at_a_glance(believed):
+    start, updated, predicted = believed
+    assert updated.regions is updated.found
+    for belief in (start, predicted):
+        assert belief.found is None
+        assert belief.regions is belief.regions
+        own = belief.polytope.of_robots(np.arange(3)).polygons
+        assert [region.outer.offsets.tolist() for region in belief.regions] == [each.offsets.tolist() for each in own]
+        assert all(region.reason is None and region.searches == 0 for region in belief.regions)
+        assert belief.proofs == ()
+        assert belief.events == ()
+
+
+def test_a_compact_belief_says_the_same_of_fewer_sources(believed):
+    _, updated, _ = believed
+    table, _ = updated.sources.extended("compass", 9.0, [0, 1])
+    swollen = dataclasses.replace(updated, sources=table).compact()
+    assert len(swollen.sources) == len(updated.sources) < len(table)
+    for robot in range(3):
+        for edge in range(len(updated.regions[robot].causes)):
+            assert swollen.causes(robot, edge) == updated.causes(robot, edge)
+    rows = updated.constraints.source.tolist()
+    assert [swollen.sources[k] for k in swollen.constraints.source.tolist()] == [updated.sources[k] for k in rows]
+
+
+def test_proofs_are_of_all_edges_of_the_sides_of_the_boxes_and_of_pairs(believed):
+    _, updated, _ = believed
+    edges, boxes, pairs = updated.proofs
+    assert edges.j.tolist() == updated.regions.outer.owner.tolist()
+    assert edges.offset.tolist() == updated.regions.outer.offsets.tolist()
+    assert set(zip(pairs.i.tolist(), pairs.j.tolist(), strict=True)) == {(0, 1), (0, 2), (1, 2)}
+    assert len(boxes) == 12
+    for proof in updated.proofs:
+        for claim in range(len(proof)):
+            rows, multipliers = proof.rests_on(claim)
+            assert len(rows) == len(multipliers)
+            assert exact_claim(proof, claim) <= 0

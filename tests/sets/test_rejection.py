@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.teams import BOX, TEAM, begun, estimator, odometry, snapshot, started
 from helpers.worlds import World, escapes
-from sets.test_set_membership import BOX, TEAM, estimator, odometry, snapshot, started
 
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
+from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Range
-from filter.sets.belief import Rejected, Source
+from filter.sets.events import Rejected
 from filter.sets.rejection import single, without
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -27,8 +28,7 @@ def rejected(belief):
 
 def world_and_belief(seed, **options):
     world = World(np.random.default_rng(seed), robots=4, sight=99.0, **options)
-    belief = rejecting(world.team).start(0.0, world.initial_sets(), world.initial_headings())
-    return world, belief
+    return world, begun(rejecting(world.team), world)
 
 
 def test_the_newest_of_two_that_exclude_one_another_goes():

@@ -1,47 +1,21 @@
 """The filter's step: what it takes, what it refuses, and what it says when bounds are broken."""
 
-import dataclasses
-
 import numpy as np
 import pytest
-from helpers.worlds import World, escapes
+from helpers.programs import supports
+from helpers.teams import BOX, TEAM, beliefs, estimator, odometry, snapshot, started
+from helpers.worlds import World, escapes, outside_hull
 
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Odometry, Range
+from filter.linear.constraints import WORLD
+from filter.linear.sources import Source
+from filter.measurements import Bearing, Compass, Range
 from filter.projection.stop import Stop
-from filter.sets.belief import Source
+from filter.projection.window import Window
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
-
-BOX = Polygon.box([0, 0], [1, 1])
-TEAM = Team(2, landmarks=[[5.0, 5.0]])
-
-
-def odometry(start=0.0, time=1.0, robot=0, distance=0.0, **bounds):
-    values = {"distance_bound": 0.0, "turn": 0.0, "turn_bound": 0.0, "direction_bound": 0.0, "slip_bound": 0.0, **bounds}
-    return Odometry(start=start, time=time, robot=robot, distance=distance, **values)
-
-
-def estimator(team=TEAM, **options):
-    return SetMembershipFilter(team, **options)
-
-
-def started(team=TEAM, sets=None, headings=None, time=0.0):
-    return estimator(team).start(time, sets or [BOX, Polygon.box([2, 0], [3, 1])], headings)
-
-
-def snapshot(thing):
-    """Return everything in a belief as nested lists, to compare bit by bit."""
-    if isinstance(thing, np.ndarray):
-        return thing.tobytes(), thing.shape
-    if isinstance(thing, tuple | list):
-        return [snapshot(part) for part in thing]
-    if dataclasses.is_dataclass(thing):
-        return [snapshot(getattr(thing, column.name)) for column in dataclasses.fields(thing)]
-    return thing
-
 
 BAD_UPDATES = {
     "unknown robot": (lambda: [Compass(0, 2, 0, 0.1)], InvalidInput, "a robot among robots 0 to 1; came robot 2"),
@@ -131,8 +105,8 @@ def test_a_team_of_no_robots_is_refused():
 
 
 def test_an_unknown_solver_is_refused_with_those_installed():
-    with pytest.raises(InvalidInput, match=r"a solver among exact, .*highs.*piqp; came 'glpk'"):
-        estimator(solver="glpk")
+    with pytest.raises(InvalidInput, match=r"a solver among .*highs.*piqp.*; came 'glpk'"):
+        estimator(solvers=("piqp", "glpk"))
 
 
 @pytest.mark.parametrize("name", ["rows_per_robot", "rows_per_pair"])
@@ -141,7 +115,7 @@ def test_a_budget_below_four_is_refused(name):
         estimator(**{name: 3})
 
 
-@pytest.mark.parametrize("wrong", [{"pairs": -1}, {"pairs": 1.5}, {"corner_spacing": 0.0}, {"corner_spacing": 2.0}])
+@pytest.mark.parametrize("wrong", [{"pairs": -1}, {"pairs": 1.5}, {"tangent_spacing": 0.0}, {"tangent_spacing": 2.0}])
 def test_what_cannot_be_taken_along_is_refused(wrong):
     with pytest.raises(InvalidInput):
         estimator(**wrong)
@@ -149,9 +123,17 @@ def test_what_cannot_be_taken_along_is_refused(wrong):
 
 def test_a_light_filter_is_light_but_for_what_is_asked():
     light = SetMembershipFilter.light(TEAM, pairs=3)
-    assert (light.rows_per_robot, light.rows_per_pair, light.pairs, light.corner_spacing) == (12, 8, 3, None)
+    assert (light.rows_per_robot, light.rows_per_pair, light.pairs) == (12, 8, 3)
+    assert SetMembershipFilter.light(TEAM).pairs == 0
 
 
+WAYS = {
+    "walk": {},
+    "walk alone": {"solvers": ()},
+    "windows": {"scope": Window()},
+    "piqp": {"exact": False, "solvers": ("piqp",)},
+    "highs": {"exact": False, "solvers": ("highs",)},
+}
 BROKEN = {
     "two compasses": (
         lambda: [Compass(0, 1, 0.0, 0.1), Compass(0, 1, 1.0, 0.1)],
@@ -164,14 +146,14 @@ BROKEN = {
 }
 
 
-@pytest.mark.parametrize("solver", ["piqp", "highs"])
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", BROKEN)
-def test_what_excludes_one_another_is_inconsistent_and_named(name, solver):
+def test_what_excludes_one_another_is_inconsistent_and_named(name, way):
     records, named = BROKEN[name]
     belief = started(headings=AngularIntervals([0.0, 0.5], [0.3, np.pi]))
     before = snapshot(belief)
     with pytest.raises(Inconsistent) as raised:
-        estimator(solver=solver).update(belief, records())
+        estimator(**WAYS[way]).update(belief, records())
     assert snapshot(belief) == before
     found = {(source.kind, source.robot, source.target) for source in raised.value.sources}
     assert named <= found
@@ -258,10 +240,10 @@ def exact(world):
     return world.measure()
 
 
-@pytest.mark.parametrize("solver", ["piqp", "highs"])
-def test_bounds_of_zero_leave_next_to_a_point(solver):
+@pytest.mark.parametrize("way", WAYS)
+def test_bounds_of_zero_leave_next_to_a_point(way):
     world = World(np.random.default_rng(5), robots=3, landmarks=2, sight=99.0)
-    team = estimator(world.team, solver=solver)
+    team = estimator(world.team, **WAYS[way])
     belief = team.update(team.start(0.0, world.initial_sets(), world.initial_headings()), exact(world))
     assert escapes(belief, world.positions, world.headings) == []
     assert all(region.outer.area < 1e-8 for region in belief.regions)
@@ -269,12 +251,12 @@ def test_bounds_of_zero_leave_next_to_a_point(solver):
     assert escapes(belief, world.positions, world.headings) == []
 
 
-@pytest.mark.parametrize("solver", ["piqp", "highs"])
-def test_a_wholly_known_team_stays_known(solver):
+@pytest.mark.parametrize("way", WAYS)
+def test_a_wholly_known_team_stays_known(way):
     """Points as initial sets anchor every robot; exact measurements then say nothing new, and nothing wrong."""
     for seed in range(6):
         world = World(np.random.default_rng(seed), robots=3, sight=99.0)
-        team = estimator(world.team, solver=solver)
+        team = estimator(world.team, **WAYS[way])
         sets = [Polygon.box(position, position) for position in world.positions]
         belief = team.start(0.0, sets, AngularIntervals(world.headings, np.full(3, 1e-12)))
         belief = team.update(belief, exact(world))
@@ -336,8 +318,85 @@ def test_causes_name_the_measurement_that_made_an_edge():
 def test_the_search_stops_where_it_was_told():
     world = World(np.random.default_rng(8), robots=3)
     for stop in (Stop(searches=4), Stop(performance_ratio=0.7), Stop(performance_ratio=0.99, searches=60)):
-        team = estimator(world.team, solver="piqp", stop=stop)
+        team = estimator(world.team, exact=False, stop=stop)
         belief = team.update(team.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
         for region in belief.regions:
             assert region.searches <= stop.searches
             assert region.reason == "searches" or region.performance_ratio >= stop.performance_ratio - 1e-4
+
+
+def rows_on(belief):
+    """Return how many rows there are on each robot and on each pair that has any."""
+    i, j, first = belief.constraints.grouped()
+    return dict(zip(zip(i.tolist(), j.tolist(), strict=True), np.diff(first).tolist(), strict=True))
+
+
+@pytest.mark.parametrize("scope", [Window.everybody(), Window(1, 4)])
+@pytest.mark.parametrize("light", [False, True])
+@pytest.mark.parametrize("budgets", [{}, {"rows_per_robot": 6, "rows_per_pair": 4}])
+def test_the_budgets_bound_what_a_belief_carries(scope, light, budgets):
+    world = World(np.random.default_rng(3), robots=5, landmarks=3, sight=99.0)
+    team = (SetMembershipFilter.light if light else SetMembershipFilter)(world.team, scope=scope, **budgets)
+    for belief in beliefs(team, world, 4):
+        counts = rows_on(belief)
+        assert max(count for (i, _), count in counts.items() if i == WORLD) <= team.rows_per_robot
+        assert max(count for (i, _), count in counts.items() if i != WORLD) <= team.rows_per_pair
+        assert len(belief.constraints) <= 5 * team.rows_per_robot + 10 * team.rows_per_pair
+    assert len(belief.constraints) == sum(counts.values())
+
+
+def test_a_prediction_adds_rows_that_the_next_update_prunes():
+    world = World(np.random.default_rng(3), robots=4)
+    team = estimator(world.team)
+    *_, belief = beliefs(team, world, 2)
+    motion = world.move()
+    predicted = team.predict(belief, motion.time, motion)
+    assert len(belief.constraints) < len(predicted.constraints) <= len(belief.constraints) + 8 * 4 + 16 * 6
+    assert max(rows_on(team.update(predicted)).values()) <= team.rows_per_robot
+
+
+@pytest.mark.parametrize("scope", [Window.everybody(), Window(1, 3)])
+@pytest.mark.parametrize(("errors", "origin"), [("uniform", 0.0), ("extreme", 0.0), ("uniform", 5e6)])
+def test_where_one_is_as_seen_from_another_contains_the_truth_either_way_about(scope, errors, origin):
+    world = World(np.random.default_rng(5), robots=4, errors=errors, origin=np.full(2, origin))
+    team = estimator(world.team, scope=scope)
+    i, j = np.array([0, 3, 2, 1, 0]), np.array([3, 0, 1, 2, 1])
+    for belief in beliefs(team, world, 2):
+        seen, back = team.relative(belief, i, j), team.relative(belief, j, i)
+        apart = world.positions[j] - world.positions[i]
+        rounding = 4e-16 * origin
+        for k in range(5):
+            assert (seen[k].normals @ apart[k] <= seen[k].offsets + rounding).all()
+            assert not rounding or not outside_hull(seen[k], apart[k])
+            assert back[k].normals.tolist() == (-seen[k].normals).tolist()
+            assert back[k].offsets.tolist() == seen[k].offsets.tolist()
+            assert back[k].vertices.tolist() == (-seen[k].vertices).tolist()
+            assert back[k].area > 0
+        assert seen[0].vertices.tolist() == (-seen[1].vertices).tolist()
+    if scope.leaves_nobody_out and not origin:
+        for k in range(5):
+            true = supports(belief.polytope, seen[k].normals, int(j[k]), int(i[k]))
+            assert (seen[k].offsets >= true - 1e-9).all()
+            assert seen[k].support(seen[k].normals) == pytest.approx(true, rel=1e-2, abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    "wrong", [([0], [0]), ([0], [2]), ([-1], [0]), ([0, 1], [1]), (0, 1), ([0.5], [1]), ([0], [10**9]), ([[0]], [[1]])]
+)
+def test_pairs_that_are_none_are_refused(wrong):
+    belief = started()
+    with pytest.raises(InvalidInput):
+        estimator().relative(belief, *map(np.array, wrong))
+
+
+def test_of_no_pairs_nothing_is_said():
+    none = np.zeros(0, dtype=int)
+    assert len(estimator().relative(started(), none, none)) == 0
+
+
+def test_phases_are_told_in_their_order():
+    told = []
+    team = estimator(on_phase=told.append)
+    team.predict(team.update(started()), 1.0)
+    assert told[-1] == "predict"
+    assert list(dict.fromkeys(told[:-1])) == ["headings", "merge", "prune", "project", "forget"]

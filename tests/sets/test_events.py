@@ -1,0 +1,27 @@
+"""What happened beside an update, in words."""
+
+import pytest
+
+from filter.linear.sources import Source
+from filter.sets.events import Fallback, Rejected
+
+WALK = ("walk",)
+
+
+@pytest.mark.parametrize(
+    ("event", "words"),
+    [
+        (Fallback(1, WALK, "piqp"), "the region of robot 1: no good answer of walk, piqp took over"),
+        (Fallback(None, ("piqp",), "highs"), "the deepest point: no good answer of piqp, highs took over"),
+        (Fallback(2, ("walk", "piqp"), None), "the region of robot 2: no good answer of walk, piqp, nobody took over"),
+        (Fallback(1, WALK, None, 0), "the region of robot 1 seen from robot 0: no good answer of walk, nobody took over"),
+    ],
+)
+def test_a_fallback_says_what_failed_and_who_took_over(event, words):
+    assert str(event) == words
+
+
+def test_a_rejection_says_what_was_dropped_and_why():
+    one, other = Source("range", 1.0, 0, 1), Source("compass", 1.0, 2)
+    assert str(Rejected(one, (other, one))) == f"rejected {one}; in conflict: {other}; {one}"
+    assert str(one) == "range of robot 0 to 1 at 1.000 s"

@@ -1,0 +1,89 @@
+"""What measurements add: rows that hold for the truth, bearings before ranges, each with its source."""
+
+import numpy as np
+import pytest
+from helpers.teams import begun
+from helpers.worlds import World, exact_row_slack
+
+from filter.linear.sources import Source, Sources
+from filter.measurements import Bearing, Compass, Range
+from filter.sensing.headings import narrowed_headings
+from filter.sets.belief import Belief
+from filter.sets.merge import KIND_OF, merged, numbered_of
+from filter.sets.set_membership import SetMembershipFilter
+
+SPACING = np.radians(15)
+
+
+def start(world):
+    return begun(SetMembershipFilter(world.team), world)
+
+
+def taken(belief, world, records, spacing=SPACING):
+    """Return a belief with the rows of records."""
+    sources, numbered = numbered_of(belief.sources, records)
+    headings = narrowed_headings(belief.headings, belief.polytope, records, world.team.landmarks)
+    polytope = merged(belief.polytope, headings, numbered, world.team.landmarks, spacing)
+    return Belief(0.0, polytope, headings, sources)
+
+
+def test_bearings_and_ranges_are_entered_in_order_and_compasses_are_not():
+    records = [Compass(1.0, [0, 1], [0.1, 0.2], 0.1), Range(1.0, [1, 0], [0, 2], 1.0, 0.1, 0), Bearing(1.0, 0, 1, 0.3, 0.1)]
+    before, _ = Sources().extended("initial set", 0.0, [0, 1])
+    table, numbered = numbered_of(before, records)
+    assert [record for record, _ in numbered] == records[1:]
+    assert [numbers.tolist() for _, numbers in numbered] == [[2, 3], [4]]
+    assert [table[k] for k in range(2, 5)] == [
+        Source("range", 1.0, 1, 0),
+        Source("range", 1.0, 0, 2),
+        Source("bearing", 1.0, 0, 1),
+    ]
+    assert set(KIND_OF) == {Compass, Bearing, Range}
+
+
+@pytest.mark.parametrize("errors", ["uniform", "extreme"])
+@pytest.mark.parametrize("origin", [0.0, 5e6])
+def test_every_row_holds_for_the_truth_and_names_its_measurement(errors, origin):
+    world = World(np.random.default_rng(1), errors=errors, origin=np.full(2, origin))
+    records = world.measure()
+    before = start(world)
+    after = taken(before, world, records)
+    assert all(exact_row_slack(row, after, world.positions) >= 0 for row in range(len(after.constraints)))
+    named = {str(after.sources[k]) for k in after.constraints.source.tolist()}
+    for record in records[1:]:
+        for robot, target in zip(record.robot.tolist(), record.target.tolist(), strict=True):
+            assert str(Source(KIND_OF[type(record)], 0.0, robot, target)) in named
+    assert set(before.constraints.offset.tolist()) <= set(after.constraints.offset.tolist())
+    assert (after.polytope.lower == before.polytope.lower).all()
+
+
+def test_bearings_narrow_the_directions_of_ranges_in_any_order():
+    world = World(np.random.default_rng(2))
+    compasses, bearings, ranges = world.measure()
+    before = start(world)
+    both, turned, alone = (
+        taken(before, world, records)
+        for records in ([compasses, bearings, ranges], [ranges, compasses, bearings], [compasses, ranges])
+    )
+    columns = [np.sort(each.constraints.offset).tolist() for each in (both, turned)]
+    assert columns[0] == pytest.approx(columns[1], abs=1e-12)
+    i, j = np.triu_indices(4, 1)
+    measured = [len(both.constraints.rows_of(first, second)) > 0 for first, second in zip(i, j, strict=True)]
+    areas = [each.polytope.of(i[measured], j[measured]).polygons.areas for each in (both, alone)]
+    assert (areas[0] < areas[1]).all()
+
+
+def test_a_finer_spacing_makes_more_rows():
+    world = World(np.random.default_rng(2), robots=2)
+    _, _, ranges = world.measure()
+    before = start(world)
+    fine, coarse = (taken(before, world, [ranges], spacing) for spacing in (0.05, 1.0))
+    assert len(fine.constraints) > len(coarse.constraints)
+
+
+def test_without_records_nothing_changes():
+    world = World(np.random.default_rng(0))
+    before = start(world)
+    after = taken(before, world, [])
+    assert after.polytope is before.polytope
+    assert len(after.sources) == len(before.sources)

@@ -10,6 +10,7 @@ import numpy as np
 
 from experiments.follow.located import Located
 from experiments.follow.scenarios import Scenario, initial_headings
+from experiments.follow.steps import warmed_up
 from experiments.real_robots.carried import Carried
 from experiments.real_robots.motion import Motions
 from filter.arrays import Mask
@@ -64,6 +65,7 @@ def team_filter(scenario: Scenario, motions: Motions) -> Iterator[Followed]:
 
 def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterator[Followed]:
     """Follow with a robust filter, which is given frames about carried headings."""
+    warmed_up()
     positions = [known.polygon() for known in scenario.initial]
     headings = initial_headings(scenario.initial).turned(0.0, carried.bounds.jitter)
     belief = robust.start(scenario.header.start, positions, headings)
@@ -110,6 +112,7 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
     A measurement that had to be rejected proves that some bound is broken; which, nobody knows, so that from then on
     nothing is guaranteed until the team has been started over from the arena.
     """
+    warmed_up()
     plain = SetMembershipFilter(scenario.team, policy="reject")
     positions = [known.polygon() for known in scenario.initial]
     belief = plain.start(scenario.header.start, positions, initial_headings(scenario.initial))

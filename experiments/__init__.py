@@ -1,1 +1,1 @@
-"""One script a question; `python -m experiments.NAME --help`."""
+"""One script a question, and a tour; `python -m experiments` lists them."""

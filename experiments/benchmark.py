@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
@@ -23,7 +24,6 @@ from experiments.timed.agreement import Agreement, Shares, agreement_of, shares_
 from experiments.timed.figures import draw_ratios
 from experiments.timed.grids import draw_grid
 from experiments.timed.ways import POLYTOPE, SEARCH, Problem, by_kernel, ways
-from filter.arrays import number, whole
 
 AGREED = 1e-8  # [m]
 REPEATS = {"piqp_solve": 5, "highs_warm_solve": 5, "kernel": 3}  # of each way in each window; of the others one
@@ -63,10 +63,8 @@ def run(options: Options) -> int:
     Raises:
         InvalidInput: An option or the output folder cannot be used.
     """
-    for name in ("windows", "timed", "directions"):
-        whole(name, getattr(options, name), low=1)
-    whole("robots", options.robots, low=2)
-    number("duration [s]", options.duration, 0.2)
+    some = (1, np.inf)
+    keep_within(options, windows=some, timed=some, directions=some, robots=(2, np.inf), duration=(0.2, np.inf))
     folder = output_folder(options.out)
     generator = np.random.default_rng(options.seed)
     times = timed(options, generator)

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from experiments.against_ekf.figures import LOOK
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value
 from experiments.follow.scenarios import from_log
 from experiments.mrclam import numbers_of
@@ -31,9 +32,7 @@ from experiments.show.colours import colour_of
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, Terminal, print_table, show_table
-from filter.arrays import number
-from filter.errors import InvalidInput
-from filter.team import Team
+from filter import InvalidInput, Team
 
 ANGLES = ("bearing", "compass", "turn")
 
@@ -90,8 +89,7 @@ def run(options: Options) -> int:
     Raises:
         CorralError: An option, a file, or the output folder cannot be used, or there is no truth.
     """
-    number("share", options.share, 0, 0.5)
-    number("margin", options.margin, 1)
+    keep_within(options, share=(0, 0.5), margin=(1, np.inf))
     judged = _judged(options)
     if not any(len(errors.error) for errors in judged.found):
         raise InvalidInput("a run whose truth is known", "no measurement with truth")

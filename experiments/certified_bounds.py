@@ -20,19 +20,18 @@ import numpy as np
 from rich.progress import track
 from scipy import sparse
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
-from experiments.follow.scenarios import from_simulator
+from experiments.follow.simulated import from_simulator
 from experiments.follow.steps import steps
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Terminal, print_table
-from filter.arrays import Array, Mask, number, whole
+from filter import Array, Belief, Mask, SetMembershipFilter
 from filter.geometry.polygon import SIDES
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import deepest_point, workspace
-from filter.projection.polygons_of import position
-from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
+from filter.projection.proved import position
 from sim.episode import episode
 
 ORIGINS = (0.0, 1.0, 5e6)  # [m]
@@ -69,8 +68,7 @@ def run(options: Options) -> int:
     Raises:
         CorralError: An option cannot be used.
     """
-    whole("bounds", options.bounds, low=1)
-    number("duration [s]", options.duration, 0.1)
+    keep_within(options, bounds=(1, np.inf), duration=(0.1, np.inf))
     folder = output_folder(options.out)
     rng = np.random.default_rng(options.seed)
     programs = -(-options.bounds // DIRECTIONS)
@@ -168,7 +166,7 @@ def cost(belief: Belief) -> tuple[float, float, float]:
     for directions, each in zip(objectives, found, strict=True):
         again.certified_bounds(directions, again.essential(directions, np.array([one.multipliers for one in each])))
     weights = np.zeros((len(boxes), len(boxes.polytope.constraints)))
-    weights[boxes.claim, boxes.row] = boxes.multiplier
+    weights[np.repeat(np.arange(len(boxes)), boxes.weights.counts), boxes.weights.row] = boxes.weights.weight
     boxes.polytope.program().certified_bounds(np.kron(np.eye(robots), SIDES), weights)
     certified = perf_counter()
     again.holds(deepest.point[None])

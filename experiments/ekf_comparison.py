@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from experiments.against_ekf.recording import record
 from experiments.against_ekf.table import kept_every_truth, print_comparison, summary_of, write_csv, write_markdown
 from experiments.against_ekf.tuning import CONSERVATIVE, TUNED
 from experiments.follow.ellipses import DIMENSION
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value
 from experiments.follow.side_by_side import SERIES, Case, compare
 from experiments.paper.merge_orders import compare_orders
@@ -28,7 +30,6 @@ from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Terminal, print_table, tell
 from experiments.sweep.executors import executor
 from experiments.sweep.results import Result, Results, carry_out
-from filter.arrays import whole
 from sim.errors import ERROR_KINDS
 
 RECORDED = "bias"  # the kind whose first run is recorded
@@ -91,7 +92,7 @@ def cases_of(options: Options) -> dict[str, Case]:
     Raises:
         InvalidInput: There is no run.
     """
-    whole("number of runs", options.runs, low=1)
+    keep_within(options, runs=(1, inf))
     seeds = range(options.seed, options.seed + options.runs)
     cases = [Case(errors, seed, options.robots, options.duration) for errors in ERROR_KINDS for seed in seeds]
     return {case.name: case for case in cases}

@@ -13,26 +13,26 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from experiments.follow.metrics import Escapes, Metrics, Value
-from experiments.follow.scenarios import Scenario, from_log, from_simulator
-from experiments.follow.steps import Contacts, Step, steps, warmed_up
-from experiments.logs.certificates import Certificates
-from experiments.logs.log import LogWriter
+from experiments.follow.scenarios import Scenario, from_log
+from experiments.follow.simulated import from_simulator
+from experiments.follow.steps import Contacts, steps, warmed_up
+from experiments.logs import Certificates, LogWriter
 from experiments.show.command import command
 from experiments.show.output import Trajectories, output_folder, write_summary
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress, print_table, tell
 from experiments.show.viewer import open_viewer
-from filter.errors import Inconsistent, InvalidInput
-from filter.projection.projector import EXACT
-from filter.projection.window import Window
-from filter.sets.refine import Scope
-from filter.sets.set_membership import Policy, SetMembershipFilter
+from filter import Belief, Inconsistent, InvalidInput, Policy, SetMembershipFilter, Step, Window
 from sim.episode import MeasurementChoice, WorldKind, episode
 from sim.errors import ErrorKind
 
 LOG = "log.jsonl"
 PICTURE_EVERY = 1.0  # [s]
 ROUNDING = 1e-9  # of times [s]
+
+
+EXACT = "exact"  # no solver: walks over the vertices
+SOLVERS = SetMembershipFilter.solvers
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Options:
     """Find each region in the window of the robots so many sightings away, not in the whole team; 1 does for large teams."""
     light: bool = False
     """Take less along from step to step, for large teams: rows of fewer kinds, and fewer of them."""
-    solver: str = EXACT
+    solver: str = "exact"
     """How regions are found: exact, or searched by piqp or any other solver that qpsolvers finds here."""
     measurements: MeasurementChoice = "all"
     """all; absolute: none from robot to robot; none: odometry and compass alone."""
@@ -95,9 +95,14 @@ def run(options: Options) -> int:
         CorralError: An option, the log, or the output folder cannot be used.
     """
     scenario = scenario_of(options)
-    scope: Scope = "team" if options.hops is None else Window(options.hops)
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
-    team_filter = make(scenario.team, solver=options.solver, scope=scope, policy=options.policy)
+    team_filter = make(
+        scenario.team,
+        exact=options.solver == EXACT,
+        solvers=SOLVERS if options.solver == EXACT else (options.solver, *SOLVERS),
+        scope=Window.everybody() if options.hops is None else Window(options.hops),
+        policy=options.policy,
+    )
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)
     conflict = following.run(team_filter)
@@ -179,7 +184,7 @@ class Following:
                 return str(error)
         return None
 
-    def _keep(self, step: Step) -> None:
+    def _keep(self, step: Step[Belief]) -> None:
         escapes = self.metrics.add(step.frame, step.belief, step.seconds)
         self._recording.add(step.frame, step.belief)
         self._trajectories.write(step.frame, step.belief)

@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from experiments.follow.ellipses import WIDE_SIZE
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value
 from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import warmed_up
+from experiments.follow.steps import steps, warmed_up
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import RobotLog, Run, read_tables, run_of
 from experiments.real_robots.faults import faulty
@@ -32,10 +33,7 @@ from experiments.show.command import command
 from experiments.show.output import Trajectories, output_folder, write_summary
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress, print_table, tell
-from filter.arrays import Array, Mask, whole
-from filter.ekf import GaussianBelief
-from filter.errors import InvalidInput
-from filter.team import Team
+from filter import Array, GaussianBelief, InvalidInput, Mask, Team
 
 RECORD_EVERY = 0.25  # what happens is recorded at once, the rest so often [s]
 
@@ -79,7 +77,7 @@ def run(options: Options) -> int:
     Raises:
         CorralError: An option, a file of the data, or the output folder cannot be used.
     """
-    whole("seed", options.seed)
+    keep_within(options, seed=(0, np.inf))
     robots, data = numbers_of(options.robots), data_of(options)
     declared = Bounds()
     bounds = declared.chained()  # the filter goes from frame to frame
@@ -178,11 +176,10 @@ class Following:
         Raises:
             CorralError: A frame cannot be used.
         """
-        estimate, step_ekf = kalman_filter(single)
+        estimates = steps(kalman_filter(single.team), single)
         with self._recording, self._trajectories, StepProgress(self._scenario.count) as progress:
-            for step, frame in zip(followed, single.frames, strict=True):
-                estimate = step_ekf(estimate, frame)
-                self._keep(step, estimate)
+            for step, estimate in zip(followed, estimates, strict=True):
+                self._keep(step, estimate.belief)
                 progress.advance(step.frame.time, step.seconds)
 
     def _keep(self, step: Followed, estimate: GaussianBelief) -> None:

@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value
+from experiments.follow.steps import steps
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import read_tables, run_of
 from experiments.real_robots.followed import team_filter
@@ -27,8 +29,7 @@ from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import gathered, show_table
 from experiments.sweep.executors import executor
-from filter.arrays import whole
-from filter.errors import InvalidInput
+from filter import InvalidInput
 
 SHOWN = {
     "escape_share": "outside",
@@ -77,7 +78,7 @@ def run(options: Options) -> int:
     Raises:
         CorralError: An option, a file of the data, or the output folder cannot be used.
     """
-    whole("seed", options.seed)
+    keep_within(options, seed=(0, np.inf))
     names = options.changes.split(",")
     unknown = [name for name in names if name not in HARDER]
     if unknown or len(set(names)) < len(names):
@@ -102,10 +103,9 @@ def judged(options: Options, name: str) -> dict[str, Value]:
         frames(data, team, options.start, options.duration, bounds=each, generator=np.random.default_rng(options.seed))
         for each in (bounds, declared)
     )
-    estimate, step_ekf = kalman_filter(single)
-    for step, frame in zip(team_filter(scenario, Motions(data, team, bounds)), single.frames, strict=True):
-        estimate = step_ekf(estimate, frame)
-        tally.add(step, estimate)
+    estimates = steps(kalman_filter(single.team), single)
+    for step, estimate in zip(team_filter(scenario, Motions(data, team, bounds)), estimates, strict=True):
+        tally.add(step, estimate.belief)
     figures = summary_of(tally.table(), options.start, tally.resets)
     return {key: figures[key] for key in KEPT} | {"put_aside": "; ".join(tally.put_aside)}
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import Run, read_tables, run_of
@@ -26,8 +27,7 @@ from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import gathered, show_table
 from experiments.sweep.executors import executor
-from filter.arrays import Integers, Mask, whole
-from filter.errors import InvalidInput
+from filter import Integers, InvalidInput, Mask
 
 NAMES = {
     "biased": ("camera",),
@@ -102,7 +102,7 @@ def run(options: Options) -> int:
     Raises:
         CorralError: An option, a file of the data, or the output folder cannot be used.
     """
-    whole("seed", options.seed)
+    keep_within(options, seed=(0, np.inf))
     every, folder = cases(options), output_folder(options.out)
     with executor(options.workers) as pool:
         outcomes = gathered([pool.submit(judged, options, *case) for case in every], "runs")

@@ -15,6 +15,7 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.growth.figures import draw_scaling
 from experiments.growth.recording import record_size
@@ -25,9 +26,7 @@ from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import StepProgress, print_table, show_table, tell
 from experiments.sweep.executors import cores
 from experiments.sweep.own_process import in_own_process
-from filter.arrays import whole
-from filter.errors import InvalidInput
-from filter.sets.set_membership import PHASES
+from filter import PHASES, InvalidInput
 from sim.episode import WorldKind
 from sim.errors import ErrorKind
 
@@ -128,9 +127,7 @@ def cases_of(options: Options) -> list[Case]:
     Raises:
         InvalidInput: An option cannot be used.
     """
-    if options.steps is not None:
-        whole("measured steps", options.steps, low=1)
-    whole("seed", options.seed)
+    keep_within(options, steps=(1, np.inf), seed=(0, np.inf))
     sizes = sizes_of(options)
     cases = [_case(options, robots, robots > MUJOCO_UP_TO) for robots in sizes]
     return cases + [_case(options, robots, True, baselines=False) for robots in sizes if robots == MUJOCO_UP_TO]

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.paper.formations import Formation, draw_formation
 from experiments.paper.recording import record_searches
@@ -23,8 +24,7 @@ from experiments.paper.search_figures import PROMISES, draw_convergence, draw_se
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, print_table, show_table
-from filter.arrays import Array, whole
-from filter.errors import InvalidInput
+from filter import Array, InvalidInput
 
 LEAST_ROBOTS = 5
 SAMPLE = 12  # robots of the paper's sample formation
@@ -62,7 +62,7 @@ def run(options: Options) -> int:
         InvalidInput: An option or the output folder cannot be used.
     """
     least, greatest = options.robots
-    whole("number of formations", options.formations, low=1)
+    keep_within(options, formations=(1, np.inf))
     if not LEAST_ROBOTS <= least <= greatest:
         raise InvalidInput(f"a least number of robots from {LEAST_ROBOTS} on, and a greatest", f"{least} and {greatest}")
     folder = output_folder(options.out)

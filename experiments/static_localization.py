@@ -27,8 +27,7 @@ from experiments.paper.static_figures import EXAMPLES, draw_frames, draw_range_b
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, show_table
-from filter.arrays import Array
-from filter.projection.polygons_of import Stop
+from filter import Array, Budget, Stop
 
 ORDERS = 6  # random orders in which the bearings are merged
 
@@ -60,7 +59,7 @@ class Options:
     searches: int = 16
     """or after so many searches,"""
     seconds: float | None = None
-    """or after so long [s], whichever comes first; with a time limit, results depend on the machine."""
+    """or when the formation, or a pair, has taken so long [s], whichever comes first; results then depend on the machine."""
     solver: str = "piqp"
     """What solves the linear programs: piqp, highs-simplex, or any solver that qpsolvers finds here."""
     seed: int = 0
@@ -81,13 +80,13 @@ def run(options: Options) -> int:
         InvalidInput: An option or the output folder cannot be used.
         Unbounded: The anchors do not bound the formation.
     """
-    stop = Stop(options.performance_ratio, options.area_gap, options.searches, options.seconds, perf_counter)
+    stop = Stop(options.performance_ratio, options.area_gap, options.searches)
     folder = output_folder(options.out)
     generator = np.random.default_rng(options.seed)
     formation = draw_formation(generator, options.robots, np.radians(options.bearing_bound))
     common, *others = frames = frames_of(options, formation, stop)
     pairs = options.relative or uncertain_pairs(common)
-    relatives = relative_regions(common, pairs, stop, options.solver)
+    relatives = relative_regions(common, pairs, stop, options.solver, budget_of(options))
     orders = spread_over_orders(common.formation.case(common.anchors), ORDERS, generator)
     draw_frames(folder, frames)
     draw_relative(folder, common, relatives)
@@ -109,12 +108,17 @@ def frames_of(options: Options, formation: Formation, stop: Stop) -> list[Locali
     """
     references = options.reference
     seen = formation.seen_from(references[0]) if references else formation
-    frames = [localize(seen, seen.anchors(references, options.scale), stop, options.solver)]
+    frames = [localize(seen, seen.anchors(references, options.scale), stop, options.solver, budget_of(options))]
     other = options.alternate if options.alternate is not None else farthest_reference(seen, *references[:1])
     if other is not None and len(references) == 1:
         again = formation.seen_from(other)
-        frames.append(localize(again, again.anchors([other]), stop, options.solver))
+        frames.append(localize(again, again.anchors([other]), stop, options.solver, budget_of(options)))
     return frames
+
+
+def budget_of(options: Options) -> Budget | None:
+    """Return how long a formation, or a pair, may take."""
+    return None if options.seconds is None else Budget(options.seconds, perf_counter)
 
 
 def record(path: Path, common: Localized, others: Sequence[Localized]) -> None:

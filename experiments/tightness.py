@@ -16,18 +16,17 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.follow.side_by_side import Case
 from experiments.optimum.figures import draw_budgets, draw_over_time
 from experiments.optimum.history import TANGENTS
-from experiments.optimum.runs import BUDGETS, DEFAULT, WITHOUT, Followed, Optimum, Variant, follow, optimum_at
+from experiments.optimum.runs import BUDGETS, DEFAULT, Followed, Optimum, Variant, follow, optimum_at
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, print_table, show_table, tell
 from experiments.sweep.executors import executor
-from filter.arrays import Array, number, whole
-from filter.errors import InvalidInput
-from filter.projection.polygons_of import Stop
+from filter import Array, InvalidInput, Stop
 from sim.errors import ErrorKind
 
 SEARCHES = 64  # at most, of an optimum
@@ -96,9 +95,7 @@ def run(options: Options) -> int:
 
 def check(options: Options) -> None:
     """Raise `InvalidInput` for options that cannot be used."""
-    whole("every", options.every, low=1)
-    whole("tangents", options.tangents, low=4)
-    number("performance ratio of the optimum", options.performance_ratio, 0.5, 0.9999)
+    keep_within(options, every=(1, np.inf), tangents=(4, np.inf), performance_ratio=(0.5, 0.9999))
     if round(options.duration * options.rate) < options.every:
         raise InvalidInput(f"a duration of at least {options.every} steps", f"{options.duration!r} s")
     case_of(options).scenario()  # refuses what the simulator cannot do
@@ -117,8 +114,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
     variants = {name: Variant(*BUDGETS[name], spacing) for name in budgets}
     if not options.alone:
         variants["window"] = Variant(*BUDGETS[DEFAULT], spacing, window=True)
-        for name, (pairs, corners) in WITHOUT.items():
-            variants[name] = Variant(*BUDGETS[DEFAULT], spacing, pairs=pairs, corners=corners)
+        variants["without pairs"] = Variant(*BUDGETS[DEFAULT], spacing, pairs=False)
     stop = Stop(options.performance_ratio, 0.0, SEARCHES)
     with executor(options.workers) as pool, Counting(len(variants) + len(steps), "runs and optima") as progress:
         first = pool.submit(follow, case, variants.pop(DEFAULT), options.tangents)
@@ -130,7 +126,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
             future.result()  # raises what it raised
             progress.advance()
     runs = {name: future.result() for name, future in {**others, DEFAULT: first}.items()}
-    order = [name for name in (*BUDGETS, "window", *WITHOUT) if name in runs]
+    order = [name for name in (*BUDGETS, "window", "without pairs") if name in runs]
     return {name: runs[name] for name in order}, [optima[step].result() for step in sorted(optima)]
 
 
@@ -172,7 +168,7 @@ def summary_of(options: Options, runs: dict[str, Followed], optima: Sequence[Opt
         "window_area_ratio_p95": None if windows is None else rounded(float(np.quantile(windows, 0.95))),
         **{
             f"{name.replace(' ', '_')}_area_ratio_mean": rounded(float(ratios(runs[name], optima).mean()))
-            for name in WITHOUT
+            for name in ("without pairs",)
             if name in runs
         },
         "optimum_variables_max": max(each.variables for each in optima),

@@ -15,17 +15,15 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.follow.scenarios import from_log
-from experiments.follow.steps import Step, steps
-from experiments.logs.tum import Trajectory, find_trajectories, read_trajectory
+from experiments.follow.steps import steps
+from experiments.logs import Trajectory, find_trajectories, read_trajectory
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import StepProgress, print_table, show_table
-from filter.arrays import Array, finite
-from filter.errors import InvalidInput
-from filter.sets.set_membership import SetMembershipFilter
-from filter.watch import Alarm, watch
+from filter import Alarm, Array, Belief, InvalidInput, SetMembershipFilter, Step, watch
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ def run(options: Options) -> int:
     Raises:
         CorralError: The log, a trajectory or the folder cannot be used, or the log disagrees with itself.
     """
-    finite("tolerance [s]", options.tolerance, 0)
+    keep_within(options, tolerance=(0, np.inf))
     files = find_trajectories(options.tum, options.pattern, from_log(options.log).team.robots)
     trajectories = {robot: read_trajectory(file) for robot, file in files.items()}
     folder = output_folder(options.out)
@@ -138,7 +136,7 @@ def _watched(options: Options, trajectories: Mapping[int, Trajectory], path: Pat
     return checks
 
 
-def _matched(options: Options, trajectories: Mapping[int, Trajectory]) -> Iterator[tuple[Step, Array]]:
+def _matched(options: Options, trajectories: Mapping[int, Trajectory]) -> Iterator[tuple[Step[Belief], Array]]:
     """Yield each step on the log with the (n, 2) positions that the trajectories claim; NaN for no claim."""
     scenario = from_log(options.log)
     for step in steps(SetMembershipFilter(scenario.team), scenario):

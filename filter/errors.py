@@ -40,6 +40,10 @@ class InvalidInput(CorralError, ValueError):
         self.came = came
 
 
+class OutOfRange(InvalidInput, IndexError):
+    """An index is that of nothing; as an `IndexError` it also ends a loop over a sequence."""
+
+
 class OutOfOrder(CorralError, ValueError):
     """A record belongs to another time than the belief's.
 

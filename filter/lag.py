@@ -1,50 +1,20 @@
-"""Late measurements, up to a fixed lag, are merged where they belong: around any filter with predict and update."""
+"""Late measurements, up to a fixed lag, are merged where they belong: around any filter."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Generic, Protocol, TypeVar
+from itertools import pairwise
+from typing import Generic
 
 import numpy as np
 
-from filter.arrays import number
-from filter.measurements import Measurement, Odometry
+from filter.arrays import function, instance, number, settle
+from filter.follow import AnyBelief, Filter, Step, check_filter, check_time, follow
+from filter.frame import Frame
+from filter.measurements import Measurement, Odometry, measurements_of
 
-
-class Timed(Protocol):
-    """A belief of one time."""
-
-    @property
-    def time(self) -> float:
-        """When [s]."""
-
-
-AnyBelief = TypeVar("AnyBelief", bound=Timed)
 MotionBetween = Callable[[float, float], Odometry | None]  # from one time to another
-
-
-class Filter(Protocol[AnyBelief]):
-    """What a filter can do: a belief goes in and a new belief comes out."""
-
-    def predict(self, belief: AnyBelief, time: float, odometry: Odometry | None = None) -> AnyBelief:
-        """Return the belief at a later time."""
-
-    def update(self, belief: AnyBelief, measurements: Sequence[Measurement] = ()) -> AnyBelief:
-        """Return the belief after measurements of its time."""
-
-
-@dataclass(frozen=True, eq=False)
-class Step(Generic[AnyBelief]):
-    """One instant that is kept.
-
-    Attributes:
-        measurements: Those of this instant that have come so far.
-        belief: What is known after them.
-    """
-
-    measurements: tuple[Measurement, ...]
-    belief: AnyBelief
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +22,7 @@ class Lagged(Generic[AnyBelief]):
     """What is known now, and the steps of the last seconds that it came from.
 
     Attributes:
-        steps: From the oldest that is kept to the newest.
+        steps: From the oldest that is kept to the newest; the frame of each has the measurements that have come so far.
         late: How many measurements came after newer ones and were merged all the same.
         refused: How many came too late.
     """
@@ -80,7 +50,7 @@ class FixedLag(Generic[AnyBelief]):
         lag: How late a measurement may be, from 0 on [s].
 
     Raises:
-        InvalidInput: The lag is negative or not finite.
+        InvalidInput: The lag is negative or not finite, the inner filter is none, or the motion is no function.
     """
 
     inner: Filter[AnyBelief]
@@ -88,11 +58,18 @@ class FixedLag(Generic[AnyBelief]):
     lag: float = 1.0
 
     def __post_init__(self) -> None:
-        number("lag [s]", self.lag, 0)
+        settle(self, lag=number("lag [s]", self.lag, 0))
+        check_filter(self.inner)
+        function("motion", self.motion)
 
     def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
-        """Return a belief of the inner filter to which nothing has happened yet."""
-        return Lagged((Step((), belief),))
+        """Return a belief of the inner filter to which nothing has happened yet.
+
+        Raises:
+            InvalidInput: It is no belief: it has no time.
+        """
+        check_time(belief)
+        return Lagged((Step(Frame(belief.time), belief, belief, 0.0),))
 
     def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
         """Return what is known after measurements of any times, in any order.
@@ -102,12 +79,14 @@ class FixedLag(Generic[AnyBelief]):
             measurements: Records; how late they are is counted from the newest that came before.
 
         Raises:
+            InvalidInput: Something is no record.
             CorralError: What the inner filter raises; nothing has changed then.
         """
-        newest = lagged.belief.time
+        instance("what is known (see begin)", lagged, Lagged)
+        newest, records = lagged.belief.time, measurements_of(measurements)
         oldest = max(lagged.steps[0].belief.time, newest - self.lag)
-        kept = [record for record in measurements if record.time >= oldest]
-        refused = _count(measurements) - _count(kept)
+        kept = [record for record in records if record.time >= oldest]
+        refused = _count(records) - _count(kept)
         late = _count([record for record in kept if record.time < newest])
         steps = self._redone(lagged.steps, kept) if kept else lagged.steps
         return replace(lagged, steps=self._recent(steps), late=lagged.late + late, refused=lagged.refused + refused)
@@ -116,15 +95,15 @@ class FixedLag(Generic[AnyBelief]):
         """Return the steps with records put in where they belong, and everything since then done again."""
         times = np.array([step.belief.time for step in steps])
         first = max(1, int(np.searchsorted(times, min(record.time for record in records), side="left")))
-        at: dict[float, tuple[Measurement, ...]] = {step.belief.time: step.measurements for step in steps[first:]}
+        at = {step.belief.time: step.frame.measurements for step in steps[first:]}
         for record in records:
             at[record.time] = (*at.get(record.time, ()), record)
-        done = list(steps[:first])
-        for time in sorted(at):
-            belief = done[-1].belief
-            moved = belief if time == belief.time else self.inner.predict(belief, time, self.motion(belief.time, time))
-            done.append(Step(at[time], self.inner.update(moved, at[time])))
-        return tuple(done)
+        begin = steps[first - 1].belief
+        frames = [Frame(time, self._moved(before, time), at[time]) for before, time in pairwise([begin.time, *sorted(at)])]
+        return (*steps[:first], *follow(self.inner, begin, frames))
+
+    def _moved(self, before: float, time: float) -> Odometry | None:
+        return self.motion(before, time) if before < time else None
 
     def _recent(self, steps: tuple[Step[AnyBelief], ...]) -> tuple[Step[AnyBelief], ...]:
         """Return the steps within the lag, and the last one before them, which a late one would begin with."""

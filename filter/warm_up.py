@@ -9,8 +9,8 @@ import numpy as np
 
 from filter.compiled import MADE
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
-from filter.geometry.polygons import Polygons
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.projection.window import Window
 from filter.robust.robust_filter import RobustFilter
@@ -33,7 +33,7 @@ def warm_up() -> int:
     for filter_ in (
         SetMembershipFilter(team, policy="reject"),
         SetMembershipFilter.light(team, scope=Window(hops=1), policy="reject"),
-        SetMembershipFilter(team, solver="piqp", policy="reject"),
+        SetMembershipFilter(team, exact=False, policy="reject"),
         RobustFilter(team),
     ):
         _follow(filter_)

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask
-from filter.geometry.angles import wrap
+from filter import Array, Integers, Mask, wrap
 from sim.geometry import distance_to_segment, distance_to_wall, meets_wall, near, near_walls, nearest_on_wall
 from sim.kinematic import KinematicWorld
 from sim.world import TIMESTEP, World

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from filter.arrays import Array
-from filter.measurements import Odometry, interval_of_measured
+from filter import Array, Odometry
+from filter.measurements import interval_of_measured
 from sim.errors import ErrorKind, Errors
 from sim.sensors import Sensors
 

@@ -7,11 +7,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from filter import Frame, InvalidInput, Measurement, Odometry, Team, Truth
 from filter.arrays import finite, read_only
-from filter.errors import InvalidInput
-from filter.frame import Frame, Truth
-from filter.measurements import Measurement, Odometry
-from filter.team import Team
 from sim.drive import SPEED_LIMIT, Driver
 from sim.encoders import Encoders, odometry
 from sim.errors import ErrorKind, Errors, known_kind

@@ -9,8 +9,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from filter.arrays import Array
-from filter.errors import InvalidInput
+from filter import Array, InvalidInput
 
 ErrorKind = Literal["uniform", "bias", "extreme", "gaussian"]
 ERROR_KINDS: tuple[ErrorKind, ...] = get_args(ErrorKind)

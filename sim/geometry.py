@@ -11,7 +11,7 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
-from filter.arrays import Array, Integers, Mask
+from filter import Array, Integers, Mask
 
 # What is near may lie this much farther away, relatively and absolutely [m]: rounding must not lose anything.
 ALLOWANCE = 1e-9

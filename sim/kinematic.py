@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from filter.arrays import Array
-from filter.geometry.angles import wrap
+from filter import Array, wrap
 from sim.errors import ErrorKind, Errors
 from sim.layout import Layout
 from sim.sensors import Sensors

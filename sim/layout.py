@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Mask
-from filter.errors import InvalidInput
+from filter import Array, InvalidInput, Mask
 from sim.geometry import distance_to_wall
 
 TILE = np.array([12.0, 8.0])  # [m]

@@ -8,8 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from filter.arrays import Array
-from filter.errors import CorralError
+from filter import Array, CorralError
 
 HEIGHT, WIDTH = 640, 960  # [pixel]
 FIELD_OF_VIEW = 45.0  # vertical [degree], as MuJoCo wants it

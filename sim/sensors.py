@@ -10,10 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite
-from filter.errors import InvalidInput
-from filter.geometry.angles import wrap
-from filter.measurements import Bearing, Compass, Measurement, Range
+from filter import Array, Bearing, Compass, Integers, InvalidInput, Measurement, Range, wrap
+from filter.arrays import finite
 from sim.errors import ErrorKind, Errors
 
 DEGREE = np.pi / 180

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from filter.arrays import Array, Integers, Mask
+from filter import Array, Integers, Mask
 from sim.geometry import ALLOWANCE, distance_to_segment, meets_wall, near, near_walls
 
 

@@ -8,8 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from filter.arrays import Array, Integers
-from filter.geometry.angles import wrap
+from filter import Array, Integers, wrap
 from models import ARENA, DIFFDRIVE
 from sim.layout import Layout
 from sim.rendering import Camera, add_overview

@@ -16,7 +16,7 @@ from scipy.stats import chi2
 from experiments.follow.ellipses import DIMENSION
 from experiments.follow.metrics import Value
 from experiments.show.colours import PALETTE
-from filter.arrays import Array
+from filter import Array
 from sim.errors import ERROR_KINDS
 
 Series = Mapping[str, Sequence[Mapping[str, Sequence[float]]]]  # of each kind of errors, of each run

@@ -10,10 +10,7 @@ from experiments.follow.ellipses import WIDE, WIDE_SIZE
 from experiments.follow.side_by_side import Case, baselines, side_by_side
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress
-from filter.errors import Inconsistent
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
-from filter.watch import Alarm, watch
+from filter import Alarm, Inconsistent, SetMembershipFilter, Team, watch
 
 
 @dataclass

@@ -16,10 +16,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from filter.arrays import Array
-from filter.ekf import UNIFORM, NoiseModel
-from filter.frame import Frame
-from filter.geometry.angles import wrap
+from filter import Array, Frame, NoiseModel, wrap
 from sim.errors import ErrorKind
 
 HORIZON = 30  # steps of three seconds
@@ -31,8 +28,9 @@ BIAS = 0.9  # the root mean square of a constant between 0.85 and 0.95 and the l
 # Slip comes from the wheels' physics, the same for every kind, and is far below its bound.
 DIRECTION, SLIP = 0.069, 0.032
 
+# A model of which nothing is said is that of errors uniform over their bounds.
 TUNED: Mapping[ErrorKind, NoiseModel] = {
-    "uniform": NoiseModel(UNIFORM, UNIFORM, UNIFORM, distance=0.96, turn=1.12, direction=DIRECTION, slip=SLIP),
+    "uniform": NoiseModel(distance=0.96, turn=1.12, direction=DIRECTION, slip=SLIP),
     "bias": NoiseModel(BIAS, BIAS, BIAS, distance=2.28, turn=2.66, direction=DIRECTION, slip=SLIP),
     "extreme": NoiseModel(EXTREME, EXTREME, EXTREME, distance=1.82, turn=2.07, direction=DIRECTION, slip=SLIP),
     "gaussian": NoiseModel(GAUSSIAN, GAUSSIAN, GAUSSIAN, distance=0.60, turn=0.62, direction=DIRECTION, slip=SLIP),

@@ -5,24 +5,13 @@ Containment, consistency and proofs count robot-steps: one robot at one step.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.stats import chi2
 
 from experiments.follow.metrics import Metrics, rounded
-from filter.arrays import Array, Floats
-from filter.ekf import GaussianBelief
-from filter.errors import Inconsistent
-from filter.frame import Frame, Truth
-from filter.geometry.angles import wrap
-from filter.geometry.polygon import Polygon
-from filter.projection.polygons_of import NOTHING, relative_position
-from filter.projection.projector import project_all
-from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
-from filter.watch import watch
+from filter import Array, Belief, Floats, Frame, GaussianBelief, SetMembershipFilter, Truth, watch, wrap
 
 Row = dict[str, float | int | str | None]
 
@@ -53,16 +42,6 @@ def outside(belief: Belief, positions: Array) -> Array:
 def neighbours(robots: int) -> list[tuple[int, int]]:
     """Return the pairs whose relative positions are compared: each robot and the next."""
     return [(robot, robot + 1) for robot in range(robots - 1)]
-
-
-def relative_regions(belief: Belief, pairs: Sequence[tuple[int, int]], team_filter: SetMembershipFilter) -> list[Polygon]:
-    """Return outer polygons around x_i - x_j for some pairs: the team's polytope projected onto each pair (eq. 3)."""
-    planes = [relative_position(i, j, len(belief.regions)) for i, j in pairs]
-    program, known = belief.polytope.program(), [NOTHING] * len(planes)
-    projections = project_all(program, planes, known, team_filter.solvers, team_filter.stop)
-    if projections.contradiction is not None:
-        raise Inconsistent(f"relative positions at {belief.time} s", [])
-    return [found.outer for found in projections.complete]
 
 
 @dataclass
@@ -104,7 +83,7 @@ class SetTally:
 
     def _add_pairs(self, belief: Belief, truth: Truth) -> None:
         pairs = neighbours(len(belief.regions))
-        for (i, j), outer in zip(pairs, relative_regions(belief, pairs, self.team_filter), strict=True):
+        for (i, j), outer in zip(pairs, self.team_filter.relative(belief, *np.array(pairs)[:, ::-1].T), strict=True):
             apart = truth.positions[i] - truth.positions[j]
             self._pairs.add("inside", [outer.contains(apart)])
             self._pairs.add("area", [outer.area])

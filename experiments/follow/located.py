@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from filter.geometry.angles import AngularIntervals
-from filter.sets.regions import Region
+from filter import AngularIntervals, Region
 
 
 class Located(Protocol):

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.frame import Frame, Truth
-from filter.sets.belief import Belief, Fallback, Rejected
+from filter import Belief, Fallback, Frame, Rejected, Truth
 
 Value = float | int | str | bool | None
 DIGITS = 6  # significant ones in a summary, of means and times; counts are exact
@@ -81,7 +80,7 @@ class Metrics:
         self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
         self._seconds.append(seconds)
         self._areas += belief.regions.outer.areas.tolist()
-        self._ratios += [region.performance_ratio for region in belief.regions]
+        self._ratios += belief.regions.performance_ratios.tolist()
         self._searches += belief.regions.searches.tolist()
         return Escapes() if frame.truth is None else self._check(belief, frame.truth)
 

@@ -1,22 +1,16 @@
-"""Where frames come from: the simulator or a log, behind one type."""
+"""Where frames come from, behind one type: a log here, the simulator in `experiments.follow.simulated`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.logs.log import LogReader
-from experiments.logs.records import Header, InitialSet
-from filter.arrays import Array
-from filter.frame import Frame
-from filter.geometry.angles import AngularIntervals
-from filter.team import Team
-from sim.episode import Episode
-from sim.world import World
+from experiments.logs import Header, InitialSet, LogReader
+from filter import Array, Frame, Team
 
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
@@ -49,21 +43,6 @@ class Scenario:
         return self.header.team
 
 
-def from_simulator(episode: Episode, rate: float) -> Scenario:
-    """Return the scenario of a simulated episode; the headings at its start are unknown."""
-    boxes = episode.start_centres[:, None] + episode.start_bound * CORNERS
-    world = episode.world
-    return Scenario(
-        header=Header(episode.team, 0.0, rate),
-        initial=tuple(InitialSet(box) for box in boxes),
-        frames=episode,
-        count=len(episode),
-        walls=world.walls,
-        wall_height=world.wall_height,
-        picture=world.render if isinstance(world, World) else None,
-    )
-
-
 def from_log(path: Path) -> Scenario:
     """Return the scenario of a log.
 
@@ -72,9 +51,3 @@ def from_log(path: Path) -> Scenario:
     """
     log = LogReader(path)
     return Scenario(log.header, log.initial, log.frames(), None, np.zeros((0, 4)), 0.0, None)
-
-
-def initial_headings(initial: Sequence[InitialSet]) -> AngularIntervals:
-    """Return (n) arcs: the known ones, and whole circles where nothing is known."""
-    pairs = np.array([known.heading or (0.0, np.pi) for known in initial])
-    return AngularIntervals(pairs[:, 0], pairs[:, 1])

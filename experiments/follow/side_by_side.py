@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from time import perf_counter
+from dataclasses import dataclass, replace
+from itertools import tee
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,10 @@ import numpy as np
 from experiments.against_ekf.tuning import CONSERVATIVE, TUNED
 from experiments.follow.ellipses import EllipseTally, Row, SetTally, ellipse_areas, normalised_squares
 from experiments.follow.metrics import rounded
-from experiments.follow.scenarios import Scenario, from_simulator, initial_headings
-from experiments.follow.steps import Step, steps
-from filter.ekf import ExtendedKalmanFilter, GaussianBelief
-from filter.errors import Inconsistent
-from filter.frame import Frame
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
+from experiments.follow.scenarios import Scenario
+from experiments.follow.simulated import from_simulator
+from experiments.follow.steps import steps
+from filter import Belief, ExtendedKalmanFilter, GaussianBelief, Inconsistent, SetMembershipFilter, Step, Team
 from sim.episode import episode
 from sim.errors import ErrorKind
 
@@ -60,52 +57,23 @@ class Case:
         return from_simulator(simulated, self.rate)
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """What a Kalman filter made of one step.
-
-    Attributes:
-        belief: What it believes now.
-        seconds: How long predict and update took together.
-    """
-
-    belief: GaussianBelief
-    seconds: float
-
-
 def baselines(team: Team, errors: ErrorKind) -> dict[str, ExtendedKalmanFilter]:
     """Return the Kalman filters to compare with, by the names in `BASELINES`: tuned to the errors, and to bounds alone."""
     return {"ekf": ExtendedKalmanFilter(team, TUNED[errors]), "ekf_conservative": ExtendedKalmanFilter(team, CONSERVATIVE)}
 
 
-class Follower:
-    """A Kalman filter that is given frame after frame."""
-
-    def __init__(self, kalman: ExtendedKalmanFilter, scenario: Scenario) -> None:
-        positions = [known.polygon() for known in scenario.initial]
-        self._kalman = kalman
-        self._belief = kalman.start(scenario.header.start, positions, initial_headings(scenario.initial))
-
-    def follow(self, frame: Frame) -> Estimate:
-        """Return what the filter makes of the next frame."""
-        begin = perf_counter()
-        if frame.time > self._belief.time:
-            self._belief = self._kalman.predict(self._belief, frame.time, frame.odometry)
-        self._belief = self._kalman.update(self._belief, frame.measurements)
-        return Estimate(self._belief, perf_counter() - begin)
-
-
 def side_by_side(
     team_filter: SetMembershipFilter, kalmans: Mapping[str, ExtendedKalmanFilter], scenario: Scenario
-) -> Iterator[tuple[Step, dict[str, Estimate]]]:
-    """Yield each step of the set-membership filter with what the Kalman filters, by name, made of the same frame.
+) -> Iterator[tuple[Step[Belief], dict[str, Step[GaussianBelief]]]]:
+    """Yield each step of the set-membership filter with those of the Kalman filters, by name, at the same frame.
 
     Raises:
         CorralError: What the scenario or a filter raises.
     """
-    followers = {name: Follower(kalman, scenario) for name, kalman in kalmans.items()}
-    for step in steps(team_filter, scenario):
-        yield step, {name: follower.follow(step.frame) for name, follower in followers.items()}
+    own, *others = (replace(scenario, frames=frames) for frames in tee(scenario.frames, 1 + len(kalmans)))
+    estimates = {name: steps(kalman, other) for (name, kalman), other in zip(kalmans.items(), others, strict=True)}
+    for step in steps(team_filter, own):
+        yield step, {name: next(estimate) for name, estimate in estimates.items()}
 
 
 def compare(case: Case) -> dict[str, Any]:
@@ -136,7 +104,7 @@ def compare(case: Case) -> dict[str, Any]:
     return {"row": row, "timings": timings, "series": _by_second(series, round(case.rate))}
 
 
-def _extend(series: dict[str, list[float]], step: Step, estimate: GaussianBelief) -> None:
+def _extend(series: dict[str, list[float]], step: Step[Belief], estimate: GaussianBelief) -> None:
     covariances = estimate.position_covariances
     series["set_area_m2"].append(float(np.mean([region.outer.area for region in step.belief.regions])))
     series["ekf_area_997_m2"].append(float(ellipse_areas(covariances).mean()))

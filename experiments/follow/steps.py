@@ -1,4 +1,4 @@
-"""The loop: a filter follows a scenario, frame by frame."""
+"""A filter follows a scenario, and what is seen on the way."""
 
 from __future__ import annotations
 
@@ -8,14 +8,9 @@ from functools import cache
 from time import perf_counter
 
 from experiments.follow.metrics import rounded
-from experiments.follow.scenarios import Scenario, initial_headings
-from experiments.logs.log import LogWriter
-from filter.frame import Frame
-from filter.measurements import Compass
-from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
-from filter.warm_up import warm_up
+from experiments.follow.scenarios import Scenario
+from experiments.logs import LogWriter, first_belief
+from filter import AnyBelief, Compass, Filter, Frame, Step, Team, follow, warm_up
 
 
 @cache
@@ -26,25 +21,8 @@ def warmed_up() -> float:
     return rounded(perf_counter() - begin)
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """One step of a filter.
-
-    Attributes:
-        frame: What it was given.
-        predicted: What it knew before it saw the frame's measurements.
-        belief: What it knows now.
-        seconds: How long predict and update took together.
-    """
-
-    frame: Frame
-    predicted: Belief
-    belief: Belief
-    seconds: float
-
-
-def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter | None = None) -> Iterator[Step]:
-    """Yield the filter's step at every frame: predict with the odometry, then update with the measurements.
+def steps(filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None = None) -> Iterator[Step[AnyBelief]]:
+    """Start a filter, and let it follow a scenario; each step takes its time.
 
     A frame is logged before the filter sees it, so that one which the filter refuses can be replayed.
 
@@ -52,15 +30,15 @@ def steps(team_filter: SetMembershipFilter, scenario: Scenario, log: LogWriter |
         CorralError: What the scenario or the filter raises.
     """
     warmed_up()
-    positions = [known.polygon() for known in scenario.initial]
-    belief = team_filter.start(scenario.header.start, positions, initial_headings(scenario.initial))
-    for frame in scenario.frames:
-        if log is not None:
-            log.write(frame)
-        begin = perf_counter()
-        predicted = team_filter.predict(belief, frame.time, frame.odometry) if frame.time > belief.time else belief
-        belief = team_filter.update(predicted, frame.measurements)
-        yield Step(frame, predicted, belief, perf_counter() - begin)
+    belief = first_belief(filter_, scenario.header, scenario.initial)
+    frames = scenario.frames if log is None else _logged(scenario.frames, log)
+    return follow(filter_, belief, frames, perf_counter)
+
+
+def _logged(frames: Iterator[Frame], log: LogWriter) -> Iterator[Frame]:
+    for frame in frames:
+        log.write(frame)
+        yield frame
 
 
 @dataclass

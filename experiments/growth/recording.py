@@ -8,8 +8,7 @@ from experiments.follow.steps import steps
 from experiments.growth.size import Case
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress
-from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
+from filter import SetMembershipFilter, Window
 
 
 def record_size(case: Case, path: Path) -> None:

@@ -11,17 +11,11 @@ import numpy as np
 from experiments.against_ekf.tuning import TUNED
 from experiments.follow.metrics import Metrics, rounded
 from experiments.follow.scenarios import Scenario
-from experiments.follow.side_by_side import Follower
-from experiments.follow.steps import Step, steps, warmed_up
+from experiments.follow.steps import steps, warmed_up
 from experiments.growth.size import LEFT_OUT, Case, Size
 from experiments.sweep.own_process import peak_memory_mib
-from filter.ekf import ExtendedKalmanFilter
-from filter.errors import Inconsistent
-from filter.frame import Frame
-from filter.linear.constraints import WORLD
-from filter.projection.window import Window, links, members_of
-from filter.sets.belief import Belief
-from filter.sets.set_membership import PHASES, SetMembershipFilter
+from filter import PHASES, Belief, ExtendedKalmanFilter, Frame, Inconsistent, SetMembershipFilter, Step, Window
+from filter.projection.window import links, members_of_robot
 from sim.errors import ErrorKind
 
 COMPARED_EVERY = 10  # steps
@@ -43,9 +37,9 @@ class Tally:
     areas: list[float] = field(default_factory=list)
     rows: list[int] = field(default_factory=list)
     windows: list[int] = field(default_factory=list)
-    compared: list[Step] = field(default_factory=list)
+    compared: list[Step[Belief]] = field(default_factory=list)
 
-    def add(self, step: Step) -> None:
+    def add(self, step: Step[Belief]) -> None:
         """Take one step in."""
         by_phase = self.phases.taken()
         self.checked.add(step.frame, step.belief, step.seconds)
@@ -149,28 +143,28 @@ def window_sizes(belief: Belief, window: Window) -> list[int]:
     who, sizes = links(belief.constraints, robots), []
     for robot in range(robots):
         place = np.full(robots, -1)
-        sizes.append(len(members_of(WORLD, robot, window.hops, window.robots, who.near, who.near_first, place)))
+        sizes.append(len(members_of_robot(robot, window.hops, window.robots, who, place)))
     return sizes
 
 
-def area_ratio_to_team(team_filter: SetMembershipFilter, compared: Sequence[Step]) -> float | None:
+def area_ratio_to_team(team_filter: SetMembershipFilter, compared: Sequence[Step[Belief]]) -> float | None:
     """Return the mean area in windows over that in the whole team, both from the same beliefs and measurements."""
     if not compared:
         return None
-    whole = replace(team_filter, scope="team")
+    whole = replace(team_filter, scope=Window.everybody())
     team = [mean_area(whole.update(step.predicted, step.frame.measurements)) for step in compared]
     return rounded(float(np.sum([mean_area(step.belief) for step in compared]) / np.sum(team)))
 
 
 def ekf_step_ms(scenario: Scenario, errors: ErrorKind, frames: Sequence[Frame]) -> float | None:
     """Return the median time of a step of the joint extended Kalman filter [ms]; the first frame has no odometry: no step."""
-    follower = Follower(ExtendedKalmanFilter(scenario.team, TUNED[errors]), scenario)
+    kalman = ExtendedKalmanFilter(scenario.team, TUNED[errors])
     begin = perf_counter()
     seconds: list[float] = []
-    for frame in frames:
+    for step in steps(kalman, replace(scenario, frames=iter(frames))):
+        seconds.append(step.seconds)
         if perf_counter() - begin > EKF_PATIENCE and len(seconds) > 1:
             break
-        seconds.append(follower.follow(frame).seconds)
     return quantile(seconds[1:], 0.5, 1e3)
 
 

@@ -1,1 +1,21 @@
-"""Logs, trajectories and certificates: what a run was given, and what it says, as files."""
+"""Logs, trajectories and certificates: what a run was given, and what it says, as files. No simulator, no pictures."""
+
+from experiments.logs.certificates import Certificates
+from experiments.logs.log import InvalidLog, LogReader, LogWriter
+from experiments.logs.records import Header, InitialSet, first_belief, initial_headings
+from experiments.logs.tum import Trajectory, find_trajectories, read_trajectory, tum_line
+
+__all__ = [
+    "Certificates",
+    "Header",
+    "InitialSet",
+    "InvalidLog",
+    "LogReader",
+    "LogWriter",
+    "Trajectory",
+    "find_trajectories",
+    "first_belief",
+    "initial_headings",
+    "read_trajectory",
+    "tum_line",
+]

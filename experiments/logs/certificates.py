@@ -17,8 +17,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from filter.arrays import Array
-from filter.sets.belief import Belief, Proof, Source
+from filter import Array, Belief, Proof, Source
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"
@@ -70,7 +69,7 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
             "normal": hexadecimal(rows.normal[row]),
             "offset": float(rows.offset[row]).hex(),
         }
-        for row in set(proof.row.tolist())
+        for row in set(proof.weights.row.tolist())
     }
     lower, upper = proof.polytope.lower, proof.polytope.upper
     found = []

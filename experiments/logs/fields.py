@@ -8,8 +8,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from filter.arrays import Array, Integers, finite
-from filter.errors import InvalidInput
+from filter import Array, Integers, InvalidInput
+from filter.arrays import finite
 
 
 def _no_number(text: str) -> NoReturn:

@@ -26,9 +26,7 @@ from experiments.logs.records import (
     read_odometry,
     read_truth,
 )
-from filter.errors import InvalidInput
-from filter.frame import Frame, Truth
-from filter.measurements import Measurement, Odometry
+from filter import Frame, InvalidInput, Measurement, Odometry, Truth
 
 
 class InvalidLog(InvalidInput):

@@ -9,12 +9,25 @@ from typing import Any
 import numpy as np
 
 from experiments.logs.fields import Fields
-from filter.arrays import Array, Integers, finite, read_only
-from filter.errors import InvalidInput
-from filter.frame import Frame, Truth
-from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range, field_names
-from filter.team import Team
+from filter import (
+    AngularIntervals,
+    AnyBelief,
+    Array,
+    Bearing,
+    Compass,
+    Filter,
+    Frame,
+    Integers,
+    InvalidInput,
+    Measurement,
+    Odometry,
+    Polygon,
+    Range,
+    Team,
+    Truth,
+)
+from filter.arrays import finite, read_only
+from filter.measurements import field_names
 
 FORMAT = "corral-log"
 VERSION = 1
@@ -114,6 +127,21 @@ def _targets(targets: list[int], robots: int) -> dict[str, list[int | None]]:
     marks = [body - robots if body >= robots else None for body in targets]
     columns = {"target": mates, "landmark": marks}
     return {name: column for name, column in columns.items() if any(body is not None for body in column)} or {"target": []}
+
+
+def first_belief(filter_: Filter[AnyBelief], header: Header, initial: Sequence[InitialSet]) -> AnyBelief:
+    """Return what a filter knows before the first frame.
+
+    Raises:
+        CorralError: What the filter raises.
+    """
+    return filter_.start(header.start, [known.polygon() for known in initial], initial_headings(initial))
+
+
+def initial_headings(initial: Sequence[InitialSet]) -> AngularIntervals:
+    """Return (n) arcs: the known ones, and whole circles where nothing is known."""
+    pairs = np.array([known.heading or (0.0, np.pi) for known in initial])
+    return AngularIntervals(pairs[:, 0], pairs[:, 1])
 
 
 def read_header(record: Fields) -> Header:

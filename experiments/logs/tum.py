@@ -1,4 +1,4 @@
-"""Reads trajectories in TUM's format: a line a pose, t x y z qx qy qz qw; empty lines and lines with # are left out."""
+"""Trajectories in TUM's format: a line a pose, t x y z qx qy qz qw; empty lines and lines with # say nothing."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from filter.arrays import Array, read_only
-from filter.errors import InvalidInput
+from filter import Array, InvalidInput
+from filter.arrays import read_only
 
 COLUMNS = 8
 ROBOT = re.compile(r"r(\d+)(?!\d)")  # what a file's name begins with
@@ -88,3 +88,10 @@ def find_trajectories(place: Path, pattern: str, robots: int) -> dict[int, Path]
     if not found:
         raise InvalidInput(f"trajectories {pattern} in {place}", "none")
     return found
+
+
+def tum_line(time: float, position: Array, heading: float) -> str:
+    """Return a pose in the plane as a line of a TUM file: t x y z qx qy qz qw."""
+    x, y = position.tolist()
+    turn = (0.0, 0.0, float(np.sin(heading / 2)), float(np.cos(heading / 2)))
+    return " ".join(repr(float(value)) for value in (time, x, y, 0.0, *turn)) + "\n"

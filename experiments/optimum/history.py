@@ -10,14 +10,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from experiments.follow.steps import Step
+from filter import Step
 from filter.arrays import Array, Integers
 from filter.geometry.polygon import Polygon, clip
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.measurements import Bearing, Range
-from filter.projection.polygons_of import NOTHING, Projection, Stop, position
-from filter.projection.projector import project_all
+from filter.projection.fallback import project_all
+from filter.projection.proved import NOTHING, Projection, position
+from filter.projection.stop import Stop
 from filter.sensing.motion import Displacements, displacements
 from filter.sensing.rows import TANGENT_SPACING, bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
 from filter.sets.belief import Belief
@@ -52,7 +53,7 @@ class History:
     def __len__(self) -> int:
         return len(self._rows)
 
-    def add(self, step: Step) -> None:
+    def add(self, step: Step[Belief]) -> None:
         """Take in the filter's next step."""
         box = wider(step.belief.polytope, self.team.arena)
         now = len(self) * self.team.robots
@@ -77,7 +78,7 @@ class History:
         """Return the numbers of variables and of rows of that polytope."""
         return 2 * self.team.robots * (step + 1), sum(map(len, self._rows[: step + 1]))
 
-    def _measured(self, step: Step) -> Constraints:
+    def _measured(self, step: Step[Belief]) -> Constraints:
         """Return the rows of a step's bearings and ranges as the filter makes them, before it prunes."""
         known, rows = step.predicted.polytope, []
         for record in step.frame.measurements:
@@ -113,7 +114,7 @@ def motion_rows(moves: Displacements, now: int, tangents: int) -> list[Constrain
         offsets = moves.support(np.full(len(normals), robot), normals)
         beyond = np.full(2, 2 * (moves.reach[robot] + moves.slip[robot]) + BEYOND)  # so that no row coincides with a side
         kept = clip(normals, offsets, -beyond, beyond)
-        edges = kept[1][kept[1] >= 0] if kept else np.arange(len(normals))
+        edges = kept[1][kept[1] < len(normals)] if kept else np.arange(len(normals))
         body = np.full(len(edges), now + robot)
         rows.append(Constraints(body - robots, body, normals[edges], offsets[edges], nobody(edges)))
     return rows
@@ -121,11 +122,10 @@ def motion_rows(moves: Displacements, now: int, tangents: int) -> list[Constrain
 
 def without_implied(rows: Constraints, lower: Array, upper: Array) -> Constraints:
     """Return the rows without those that the others on the same robot or pair imply, within a box (n, 2) and (n, 2)."""
-    polytope, (order, i, j, size) = Polytope(rows, lower, upper), rows.grouped()
-    keep, cuts = np.zeros(len(rows), dtype=bool), polytope.of(i, j)
-    keep[cuts.edges[cuts.edges >= 0]] = True
-    stays = cuts.empty  # rows that exclude one another all stay
-    keep[order[np.repeat(stays, size)]] = True
+    i, j, first = rows.grouped()
+    clipped = Polytope(rows, lower, upper).of(i, j)
+    keep = np.repeat(clipped.empty, np.diff(first))  # rows that exclude one another all stay
+    keep[clipped.behind[clipped.behind < len(rows)]] = True
     return rows.select(keep)
 
 

@@ -15,7 +15,7 @@ from experiments.optimum.history import History, optimum
 from filter.arrays import Array
 from filter.errors import Inconsistent
 from filter.geometry.polygon import Polygon
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.projection.window import Window
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -31,8 +31,6 @@ BUDGETS = {
     "48/32": (48, 32),
 }
 DEFAULT = "20/12"  # the filter's own
-# What a filter can do without: projections of pairs, rows through corners.
-WITHOUT = {"without pairs": (False, True), "without corners": (True, False), "without both": (False, False)}
 
 
 @dataclass(frozen=True)
@@ -45,7 +43,6 @@ class Variant:
         tangent_spacing: Of ranges [rad].
         window: Whether regions are found in windows instead of in the whole team.
         pairs: Whether pairs are projected, too.
-        corners: Whether rows go through corners, too.
     """
 
     rows_per_robot: int
@@ -53,7 +50,6 @@ class Variant:
     tangent_spacing: float
     window: bool = False
     pairs: bool = True
-    corners: bool = True
 
     def filter(self, team: Team) -> SetMembershipFilter:
         """Return the filter.
@@ -66,9 +62,8 @@ class Variant:
             rows_per_robot=self.rows_per_robot,
             rows_per_pair=self.rows_per_pair,
             tangent_spacing=self.tangent_spacing,
-            scope=Window() if self.window else "team",
+            scope=Window() if self.window else Window.everybody(),
             pairs=SetMembershipFilter.pairs if self.pairs else 0,
-            corner_spacing=SetMembershipFilter.corner_spacing if self.corners else None,
         )
 
 

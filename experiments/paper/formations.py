@@ -24,8 +24,9 @@ from filter.linear.program import LinearProgram
 from filter.linear.reference import bounded_box
 from filter.linear.solvers import Workspace, deepest_point, workspace
 from filter.measurements import Bearing
-from filter.projection.polygons_of import Projection, Stop
+from filter.projection.proved import Projection
 from filter.projection.search import project
+from filter.projection.stop import Budget, Stop, never
 from filter.sensing.rows import bearing_rows, on_robots, world_arcs
 
 SPACING = 2.0  # a formation's square has room for one robot in each square of this side [m]
@@ -187,9 +188,10 @@ class Searcher:
     polytope: Polytope
     solver: str = "piqp"
 
-    def project(self, D: Array, stop: Stop) -> Projection:
+    def project(self, D: Array, stop: Stop, budget: Budget | None = None) -> Projection:
         """Return the projection {D x}, with D (2, v)."""
-        return project(self._program, self._workspace, D, self._interior, stop=stop)
+        is_over = budget.begin() if budget else never
+        return project(self._program, self._workspace, D, self._interior, stop=stop, is_over=is_over)
 
     @cached_property
     def _program(self) -> LinearProgram:

@@ -11,7 +11,8 @@ import numpy as np
 from experiments.paper.formations import Formation, Searcher
 from filter.arrays import Array, Integers, whole
 from filter.errors import InvalidInput, Unbounded
-from filter.projection.polygons_of import Projection, Stop, relative_position
+from filter.projection.proved import Projection, relative_position
+from filter.projection.stop import Budget, Stop
 from filter.sets.belief import Belief
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -55,8 +56,8 @@ class Localized:
         return [robot for robot, (region, place) in enumerate(truths) if not region.outer.contains(place)]
 
 
-def localize(formation: Formation, anchors: Array, stop: Stop, solver: str = "piqp") -> Localized:
-    """Return the formation's regions in the frame of the anchors.
+def localize(formation: Formation, anchors: Array, stop: Stop, solver: str = "piqp", budget: Budget | None = None) -> Localized:
+    """Return the formation's regions in the frame of the anchors, found by search.
 
     Raises:
         InvalidInput: There is no such solver.
@@ -64,7 +65,7 @@ def localize(formation: Formation, anchors: Array, stop: Stop, solver: str = "pi
         Inconsistent: Some bound is broken.
     """
     team = Team(len(formation), speed_limit=0.0, turn_rate_limit=0.0)
-    static_filter = SetMembershipFilter.light(team, solver=solver, stop=stop)  # nothing moves
+    static_filter = SetMembershipFilter.light(team, exact=False, solvers=(solver,), stop=stop, budget=budget)  # nothing moves
     case = formation.case(anchors)
     prior = static_filter.start(0.0, case.initial, case.headings)
     return Localized(formation, anchors, static_filter.update(prior, [formation.bearings]))
@@ -93,9 +94,13 @@ class Relative:
 
 
 def relative_regions(
-    localized: Localized, pairs: Sequence[tuple[int, int]], stop: Stop, solver: str = "piqp"
+    localized: Localized,
+    pairs: Sequence[tuple[int, int]],
+    stop: Stop,
+    solver: str = "piqp",
+    budget: Budget | None = None,
 ) -> list[Relative]:
-    """Return the regions of x_i - x_j for pairs (i, j) of robots.
+    """Return the regions of x_i - x_j for pairs (i, j) of robots; a budget is of each of them.
 
     Raises:
         InvalidInput: A pair names an unknown robot, or one twice.
@@ -107,7 +112,7 @@ def relative_regions(
         if not len(set(whole("robots of a pair", [i, j]).tolist()) & set(range(len(formation)))) == 2:
             raise InvalidInput(f"pairs of two robots among 0 to {len(formation) - 1}", f"{i} and {j}")
         truth = formation.positions[i] - formation.positions[j]
-        regions.append(Relative(i, j, truth, searcher.project(relative_position(i, j, len(formation)), stop)))
+        regions.append(Relative(i, j, truth, searcher.project(relative_position(i, j, len(formation)), stop, budget)))
     return regions
 
 

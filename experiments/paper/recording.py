@@ -14,7 +14,7 @@ from experiments.show.recording import Recording
 from experiments.show.terminal import Counting
 from filter.arrays import Array
 from filter.frame import Frame, Truth
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.team import Team
 
 SEARCHES = (*range(4, 17), 20, 25, 30)

@@ -17,8 +17,9 @@ from filter.geometry.convex import area_of
 from filter.geometry.polygon import Polygon
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import SIMPLEX, Candidate
-from filter.projection.polygons_of import Projection, Stop, position
+from filter.projection.proved import Projection, position
 from filter.projection.search import project
+from filter.projection.stop import Stop
 
 FIRST, LAST = 4, 30
 SEARCHES = np.arange(FIRST, LAST + 1)

@@ -16,7 +16,8 @@ from experiments.paper.search_curves import LAST, SEARCHES, Curves, corners_of, 
 from experiments.show.print_style import BLUE, COLUMN, FAINT, INK, ORANGE, PAGE, PINK, SKY, panels, save, style, title
 from filter.arrays import Array
 from filter.linear.polytope import Polytope
-from filter.projection.polygons_of import Stop, position
+from filter.projection.proved import position
+from filter.projection.stop import Stop
 
 PROMISES = ((8, 0.85), (12, 0.90), (15, 0.95), (30, 0.99))  # searches and performance ratio, as section 7 ends
 SHOWN = (4, 5, 6, 8, 12)  # searches of which the polygons are drawn

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from filter.arrays import Array, Floats, finite, number
-from filter.errors import InvalidInput
+from experiments.follow.frozen import keep_within
+from filter import Array, Floats, InvalidInput
 
 DEGREE = np.pi / 180
 Knots = tuple[tuple[float, float], ...]
@@ -57,10 +57,9 @@ class Bounds:
     position_jitter: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("range", "measurement_delay", "command_lag", "speed_scale", "hold", "heading_jitter", "position_jitter"):
-            number(name, getattr(self, name), 0)
-        number("bearing bound [rad]", self.bearing, 0, np.nextafter(np.pi / 2, 0))
-        number("relative range bound", self.relative_range, 0, np.nextafter(1.0, 0))
+        some = ("range", "measurement_delay", "command_lag", "speed_scale", "hold", "heading_jitter", "position_jitter")
+        keep_within(self, **dict.fromkeys(some, (0, np.inf)))
+        keep_within(self, bearing=(0, np.nextafter(np.pi / 2, 0)), relative_range=(0, np.nextafter(1.0, 0)))
         for name in ("distance", "turn", "slip", "reach", "swing"):
             _check_knots(name, getattr(self, name))
 
@@ -106,8 +105,8 @@ class Bounds:
 
 def _check_knots(name: str, knots: Knots) -> None:
     expected = f"{name}: knots (length, bound) of a concave function that grows from (0, 0)"
-    given = finite(name, knots)
-    if given.ndim != 2 or given.shape[1] != 2:
+    given = np.array(knots, dtype=float)
+    if given.ndim != 2 or given.shape[1] != 2 or not np.isfinite(given).all():
         raise InvalidInput(expected, knots)
     points = np.vstack([np.zeros((1, 2)), given])
     steps = np.diff(points, axis=0)

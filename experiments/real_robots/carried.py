@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.follow.frozen import keep_within
 from experiments.real_robots.bounds import DEGREE
 from experiments.real_robots.motion import Motions
-from filter.arrays import Array, Floats, number
-from filter.frame import Frame
-from filter.measurements import Bearing, Measurement, Odometry, Range
+from filter import Array, Bearing, Floats, Frame, Measurement, Odometry, Range
 
 FAR = 1e7  # before and after all commands [s]
 
@@ -58,8 +57,7 @@ class CarriedBounds:
     slip: float = 0.005
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            number(name.replace("_", " "), value, 0, 0.999 if name == "shortest" else np.inf)
+        keep_within(self, **dict.fromkeys(vars(self), (0, np.inf)) | {"shortest": (0, 0.999)})
 
     def seen(self, record: Measurement) -> Measurement:
         """Return a record with these bounds.

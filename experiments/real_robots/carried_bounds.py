@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.follow.frozen import freeze
 from experiments.real_robots.bounds import DEGREE, Bounds
 from experiments.real_robots.carried import Carried, CarriedBounds
 from experiments.real_robots.data import Run
 from experiments.real_robots.errors import EVERY, LENGTHS, Errors, driven
 from experiments.real_robots.motion import Motions
-from filter.arrays import Array, read_only
-from filter.geometry.angles import wrap
+from filter import Array, wrap
 
 TURNED, DROVE = 0.2, 0.05  # shares are of intervals in which a robot was told to turn [rad] or drive [m] more than this
 
@@ -33,8 +33,7 @@ class Moves:
     did: Array
 
     def __post_init__(self) -> None:
-        for name in ("told", "did"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
+        freeze(self)
 
     @classmethod
     def of(cls, run: Run, robots: Sequence[int], carried: Carried, length: float) -> Moves:

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from filter.arrays import Array, read_only
-from filter.errors import InvalidInput
+from experiments.follow.frozen import freeze
+from filter import Array, InvalidInput
 
 ODOMETRY = re.compile(r"Robot(\d+)_Odometry\.dat")
 DECIMALS = 6  # of times since the run's start [s]; the logs have three
@@ -59,8 +59,7 @@ class RobotLog:
     dropped: Dropped = field(default_factory=Dropped)
 
     def __post_init__(self) -> None:
-        for name in ("commands", "measurements", "truth"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
+        freeze(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +77,9 @@ class Tables:
     barcodes: Mapping[int, int]
     landmarks: Array
     logs: Mapping[int, RobotLog]
+
+    def __post_init__(self) -> None:
+        freeze(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +129,7 @@ def read_tables(folder: Path) -> Tables:
     return Tables(
         name=folder.resolve().name,
         barcodes={int(barcode): int(subject) for subject, barcode in subjects},
-        landmarks=read_only(landmarks[np.argsort(landmarks[:, 0])][:, :3]),
+        landmarks=landmarks[np.argsort(landmarks[:, 0])][:, :3],
         logs={robot: _log(folder, robot) for robot in robots},
     )
 

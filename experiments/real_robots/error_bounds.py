@@ -11,8 +11,7 @@ from experiments.follow.metrics import Value, rounded
 from experiments.real_robots.bounds import Bounds, Knots
 from experiments.real_robots.carried import CarriedBounds
 from experiments.real_robots.errors import LENGTHS, Errors
-from filter.arrays import Array
-from filter.team import Team
+from filter import Array, Team
 
 QUANTILES = (0.5, 0.9, 0.99, 0.999)
 BURST_GAP = 1.0  # broken measurements of a robot less apart than this are one burst [s]

@@ -7,16 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.follow.frozen import freeze
 from experiments.follow.metrics import rounded
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import Run
 from experiments.real_robots.frames import Readings, truth_at
 from experiments.real_robots.motion import Motions
-from filter.arrays import Array, Integers, Mask, read_only
-from filter.frame import Frame, Truth
-from filter.geometry.angles import wrap
-from filter.measurements import Bearing, Compass, Measurement, Odometry
-from filter.team import Team
+from filter import Array, Bearing, Compass, Frame, Integers, Mask, Measurement, Odometry, Team, Truth, wrap
 
 LENGTHS = (0.1, 1.0, 10.0)  # of the intervals in which motion is judged [s]
 ROUNDING = 1e-9  # an error that is at its bound does not break it [m] [rad]
@@ -46,8 +43,7 @@ class Errors:
     broken: Mask
 
     def __post_init__(self) -> None:
-        for name in ("robot", "time", "error", "true", "broken"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
+        freeze(self)
 
     def of(self, chosen: Mask) -> Errors:
         """Return some of them."""

@@ -9,9 +9,7 @@ import numpy as np
 
 from experiments.real_robots.bounds import DEGREE
 from experiments.real_robots.data import RobotLog, Tables
-from filter.arrays import Array
-from filter.errors import InvalidInput
-from filter.geometry.angles import wrap
+from filter import Array, InvalidInput, wrap
 
 Fault = Callable[[Tables, int], Tables]
 

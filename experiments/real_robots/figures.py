@@ -13,8 +13,7 @@ from matplotlib.ticker import FuncFormatter
 
 from experiments.against_ekf.figures import LOOK, SETS, TUNED
 from experiments.real_robots.metrics import Table
-from filter.arrays import Array, Mask
-from filter.team import Team
+from filter import Array, Mask, Team
 
 SUSPENDED, ESCAPED, REJECTED = "#fde2c8", "#d62728", "#7c3aed"
 POINTS = 4000  # of a line: more cannot be seen

@@ -4,26 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import tee
 from time import perf_counter
 
 import numpy as np
 
 from experiments.follow.located import Located
-from experiments.follow.scenarios import Scenario, initial_headings
+from experiments.follow.scenarios import Scenario
 from experiments.follow.steps import warmed_up
+from experiments.logs import first_belief, initial_headings
 from experiments.real_robots.carried import Carried
 from experiments.real_robots.motion import Motions
-from filter.arrays import Mask
-from filter.errors import Inconsistent
-from filter.frame import Frame
-from filter.geometry.angles import AngularIntervals
-from filter.geometry.polygon import Polygon
-from filter.robust.belief import Distrusted, Late, Restarted, Turned
-from filter.robust.robust_filter import RobustFilter
-from filter.sets.belief import Belief, Rejected, Source
-from filter.sets.regions import Region
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
+from filter import (
+    AngularIntervals,
+    Belief,
+    Distrusted,
+    Frame,
+    Inconsistent,
+    Late,
+    Mask,
+    Polygon,
+    Region,
+    Rejected,
+    Restarted,
+    RobustFilter,
+    SetMembershipFilter,
+    Source,
+    Team,
+    Turned,
+    follow,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,24 +76,20 @@ def team_filter(scenario: Scenario, motions: Motions) -> Iterator[Followed]:
 def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterator[Followed]:
     """Follow with a robust filter, which is given frames about carried headings."""
     warmed_up()
+    jitter = carried.bounds.jitter
     positions = [known.polygon() for known in scenario.initial]
-    headings = initial_headings(scenario.initial).turned(0.0, carried.bounds.jitter)
-    belief = robust.start(scenario.header.start, positions, headings)
-    for frame in scenario.frames:
-        begin = perf_counter()
-        told = carried.frame(frame)
-        moved = robust.predict(belief, told.time, told.odometry)
-        belief = robust.update(moved, told.measurements)
-        events = (*moved.events, *belief.events)
+    begin = robust.start(scenario.header.start, positions, initial_headings(scenario.initial).turned(0.0, jitter))
+    frames, own = tee(scenario.frames)
+    for frame, step in zip(frames, follow(robust, begin, map(carried.frame, own), perf_counter), strict=True):
+        told, belief, events = step.frame, step.belief, (*step.predicted.events, *step.belief.events)
         rejected = tuple(event.source for event in events if isinstance(event, Rejected))
         resets = sum(isinstance(event, Restarted) for event in events)
         doubted = [event for event in events if isinstance(event, Distrusted | Turned | Late) and event.aside]
-        located = Within(belief.regions, belief.headings.turned(0.0, carried.bounds.jitter))
-        seconds = perf_counter() - begin
+        located = Within(belief.regions, belief.headings.turned(0.0, jitter))
         words = tuple(map(str, events))
         aside = tuple(named(event, scenario.team) for event in doubted)
         silent = ~np.isin(np.arange(scenario.team.robots), [] if told.odometry is None else told.odometry.robot)
-        yield Followed(frame, located, ~belief.in_force, silent, rejected, resets, aside, words, seconds)
+        yield Followed(frame, located, ~belief.in_force, silent, rejected, resets, aside, words, step.seconds)
 
 
 def named(event: Distrusted | Turned | Late, team: Team) -> str:
@@ -114,8 +120,7 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
     """
     warmed_up()
     plain = SetMembershipFilter(scenario.team, policy="reject")
-    positions = [known.polygon() for known in scenario.initial]
-    belief = plain.start(scenario.header.start, positions, initial_headings(scenario.initial))
+    belief = first_belief(plain, scenario.header, scenario.initial)
     suspended = np.zeros(scenario.team.robots, dtype=bool)
     for frame in scenario.frames:
         begin = perf_counter()
@@ -131,7 +136,8 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
 def _stepped(plain: SetMembershipFilter, belief: Belief, frame: Frame) -> tuple[Belief, Inconsistent | None]:
     """Return the next belief; if all fails that of robots that can be anywhere, and why."""
     try:
-        return plain.update(plain.predict(belief, frame.time, frame.odometry), frame.measurements), None
+        (step,) = follow(plain, belief, [frame])
+        return step.belief, None
     except Inconsistent as conflict:
         return plain.start(frame.time, anywhere(plain.team)), conflict
 

@@ -11,17 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.follow.frozen import keep_within
 from experiments.follow.scenarios import CORNERS, Scenario
-from experiments.logs.records import Header, InitialSet
+from experiments.logs import Header, InitialSet
 from experiments.real_robots.bounds import DEGREE, Bounds
 from experiments.real_robots.data import DECIMALS, Run
 from experiments.real_robots.motion import Motion, Motions
-from filter.arrays import Array, Integers, Mask, number
-from filter.errors import InvalidInput
-from filter.frame import Frame, Truth
-from filter.geometry.angles import wrap
-from filter.measurements import Bearing, Measurement, Odometry, Range
-from filter.team import Team
+from filter import Array, Bearing, Frame, Integers, InvalidInput, Mask, Measurement, Odometry, Range, Team, Truth, wrap
 
 ARENA_MARGIN = 4.0  # how far outside the landmarks' box a robot may be [m]
 TRUTH_GAP = 0.1  # between two poses farther apart than this nobody knows where a robot was [s]
@@ -40,10 +36,7 @@ class Start:
     heading: float | None = 30 * DEGREE
 
     def __post_init__(self) -> None:
-        if self.position is not None:
-            number("start position bound [m]", self.position, 0)
-        if self.heading is not None:
-            number("start heading bound [rad]", self.heading, 0, np.pi)
+        keep_within(self, position=(0, np.inf), heading=(0, np.pi))
 
     def widened(self, bounds: Bounds) -> Start:
         """Return what is known of the pose that a belief follows: the jitters of the bounds added."""
@@ -81,8 +74,9 @@ def frames(
     bounds, known = bounds or Bounds(), known or Start()
     _check_robots(run, robots)
     team = team_of(run, len(robots), bounds)
-    number("start [s]", start, 0)
-    end = np.inf if duration is None else start + number("duration [s]", duration, 0)
+    end = np.inf if duration is None else start + duration
+    if not 0 <= start <= end:
+        raise InvalidInput("a start from 0 s on, and a duration from 0 s on", f"{start} s and {duration} s")
     measured = Readings.of(run, robots, bounds).between(start, end)
     if not len(measured.time):
         raise InvalidInput(f"measurements of robots {list(robots)} from {start} s to {end} s", "none")

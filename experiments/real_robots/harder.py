@@ -13,8 +13,7 @@ import numpy as np
 from experiments.real_robots.bounds import DEGREE, Bounds
 from experiments.real_robots.data import RobotLog, Run, Tables, run_of
 from experiments.real_robots.frames import truth_at
-from filter.arrays import Array
-from filter.geometry.angles import wrap
+from filter import Array, wrap
 
 MISREAD = np.array([1.5, 15 * DEGREE])  # an error beyond one of these, [m] and [rad], is a barcode that was taken for another
 BURST = 4  # pictures in which one is taken for another, at most

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from experiments.follow.scenarios import Scenario, initial_headings
-from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
-from filter.frame import Frame
+from filter import ExtendedKalmanFilter, NoiseModel, Team
 
 # Deviations over the declared bounds, from the published quantiles of three runs (docs/real-robots.md), not from any one.
 # Ranges: 90 % of the errors below 0.29 m and 99 % below 0.60 m, where the bound is 15 % of some 4 m: 0.18 to 0.23 m.
@@ -18,13 +14,6 @@ NOISE = NoiseModel(range=0.5, bearing=0.3, distance=0.4, turn=0.2, direction=0.3
 GATE = 0.999  # of each number's normalised innovation squared: barcodes are confused
 
 
-def kalman_filter(scenario: Scenario) -> tuple[GaussianBelief, Callable[[GaussianBelief, Frame], GaussianBelief]]:
-    """Return the Kalman filter's belief at the scenario's start, and its step from one frame to the next."""
-    ekf = ExtendedKalmanFilter(scenario.team, NOISE, GATE)
-    positions = [known.polygon() for known in scenario.initial]
-    belief = ekf.start(scenario.header.start, positions, initial_headings(scenario.initial))
-
-    def step(before: GaussianBelief, frame: Frame) -> GaussianBelief:
-        return ekf.update(ekf.predict(before, frame.time, frame.odometry), frame.measurements)
-
-    return belief, step
+def kalman_filter(team: Team) -> ExtendedKalmanFilter:
+    """Return the Kalman filter of a team."""
+    return ExtendedKalmanFilter(team, NOISE, GATE)

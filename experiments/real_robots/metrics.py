@@ -11,12 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from experiments.follow.ellipses import WIDE_SIZE, ellipse_areas, normalised_squares
+from experiments.follow.frozen import freeze
 from experiments.follow.metrics import Value, rounded
 from experiments.real_robots.followed import Followed
-from filter.arrays import Array, Integers, Mask, read_only
-from filter.ekf import GaussianBelief
-from filter.frame import Frame
-from filter.measurements import Bearing
+from filter import Array, Bearing, Frame, GaussianBelief, Integers, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +52,7 @@ class Table:
     seconds: Array
 
     def __post_init__(self) -> None:
-        for name, column in list(vars(self).items()):
-            object.__setattr__(self, name, read_only(column))
+        freeze(self)
 
 
 @dataclass

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.follow.frozen import freeze
 from experiments.real_robots.bounds import Bounds, bound_over
 from experiments.real_robots.data import Run
-from filter.arrays import Array, Floats, finite, read_only
-from filter.errors import InvalidInput
+from filter import Array, Floats, InvalidInput
 
 ANY_DIRECTION = 1.55  # of a record's direction, whose bound must stay below a right angle [rad]
 
@@ -45,8 +45,7 @@ class Motion:
     slip_bound: Array
 
     def __post_init__(self) -> None:
-        for name, column in list(vars(self).items()):
-            object.__setattr__(self, name, read_only(column))
+        freeze(self)
 
     @classmethod
     def stacked(cls, motions: Sequence[Motion]) -> Motion:
@@ -90,10 +89,10 @@ class Motions:
         Raises:
             InvalidInput: An interval ends before it starts.
         """
-        start, time = np.atleast_1d(finite("start [s]", start)), np.atleast_1d(finite("time [s]", time))
-        if (time < start).any():
-            raise InvalidInput("intervals that end at their start or later", f"one of {float((time - start).min())} s")
+        start, time = np.atleast_1d(np.asarray(start, dtype=float)), np.atleast_1d(np.asarray(time, dtype=float))
         commands, length = self._commands[robot], time - start
+        if not (length >= 0).all():
+            raise InvalidInput("intervals that end at their start or later", f"one of {float(length.min())} s")
         begin, end = start - self.bounds.command_lag, time - self.bounds.command_lag
         silent = commands.idle(begin, end) > self.bounds.hold
         obeying = vars(self._obeying(commands, begin, end, length))

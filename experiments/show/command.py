@@ -11,7 +11,7 @@ from typing import TypeVar
 import tyro
 
 from experiments.show.terminal import tell
-from filter.errors import CorralError
+from filter import CorralError
 
 Options = TypeVar("Options")
 

@@ -13,12 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from experiments.follow.located import Located
-from filter.arrays import Array
-from filter.frame import Frame, Truth
-from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Range
-from filter.sets.regions import Region
-from filter.team import Team
+from filter import Array, Bearing, Frame, Polygon, Range, Region, Team, Truth
 
 TRAIL = 8.0  # how long a robot's way stays to be seen [s]
 UNKNOWN_ARENA = np.array([[-4.0, -4.0], [4.0, 4.0]])  # what is shown at least where the arena has no limits [m]

@@ -13,10 +13,8 @@ import numpy as np
 
 from experiments.follow.located import Located
 from experiments.follow.metrics import Value
-from filter.arrays import Array
-from filter.errors import InvalidInput
-from filter.frame import Frame
-from filter.team import Team
+from experiments.logs import tum_line
+from filter import Array, Frame, InvalidInput, Team
 
 FRAMES_KEPT = 100  # so many are written at a time: a file for each of many robots cannot be open all along
 
@@ -104,10 +102,3 @@ class Trajectories:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
-
-
-def tum_line(time: float, position: Array, heading: float) -> str:
-    """Return a pose in the plane as a line of a TUM file: t x y z qx qy qz qw."""
-    x, y = position.tolist()
-    turn = (0.0, 0.0, float(np.sin(heading / 2)), float(np.cos(heading / 2)))
-    return " ".join(repr(float(value)) for value in (time, x, y, 0.0, *turn)) + "\n"

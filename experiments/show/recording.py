@@ -39,10 +39,7 @@ from experiments.show.drawing import (
     extent_of,
     triangles_of,
 )
-from filter.arrays import Array
-from filter.frame import Frame
-from filter.geometry.polygon import Polygon
-from filter.team import Team
+from filter import Array, Frame, Polygon, Team
 
 APPLICATION = "corral"
 SEND_EVERY = 1.0  # [s] of the run's time

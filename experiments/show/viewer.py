@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 
-from filter.errors import CorralError
+from filter import CorralError
 
 HOST, PORT = "127.0.0.1", 9876
 PATIENCE = 20.0  # [s] that a viewer may take to open

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from importlib import import_module
 
 from experiments.sweep.own_process import end_with_parent
+from filter import CorralError, InvalidInput
 from filter.arrays import whole
-from filter.errors import CorralError, InvalidInput
 
 # One thread a worker: as many workers as cores, and sums always in the same order.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from experiments.show.output import write_whole
-from filter.errors import CorralError, InvalidInput
+from filter import CorralError, InvalidInput
 
 Case = TypeVar("Case")
 Result = dict[str, Any]  # whatever JSON can hold

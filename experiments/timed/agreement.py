@@ -11,14 +11,12 @@ from experiments.follow.side_by_side import Case
 from experiments.follow.steps import steps
 from experiments.sweep.timing import clocked
 from experiments.timed.ways import EXACT, Problem, by_kernel
-from filter.projection.polygons_of import certified_offsets
+from filter.projection.proved import certified_offsets
+from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets import pairs
-from filter.sets import refine as regions
 from filter.sets.set_membership import SetMembershipFilter
 
-# Where the filter's step calls for projections, of the whole team and of windows.
-PROJECTIONS, PAIRS = ("project_all", "project_windows"), ("project_pairs",)
+PROJECTIONS = ("robots", "pairs")  # by what the filter's step has them made
 WARM = 5  # steps that find caches cold
 
 
@@ -67,11 +65,12 @@ def agreement_of(problem: Problem, directions: int) -> Agreement:
     what its multipliers prove is above. A direction that PIQP gives up counts as a difference without end.
     """
     found = by_kernel(problem, problem.task(EXACT))
-    if not len(found.vertices):
+    if not found.first[1]:
         return Agreement(windows=1, fallbacks=1)
-    edges = len(found.rows)
-    chosen = np.unique(np.linspace(0, edges, directions, endpoint=False).astype(int))
-    normals, offsets = (column[chosen] for column in found.lines)
+    proved = np.flatnonzero(np.diff(found.row_first[: found.first[1] + 1]) > 1)  # by more than a row of the robot's own
+    edges = len(proved)
+    chosen = proved[np.unique(np.linspace(0, edges, directions, endpoint=False).astype(int))]
+    normals, offsets = found.normals[chosen], found.offsets[chosen]
     solver = problem.solver("piqp")
     solved = [solver.maximize(normal @ problem.plane) for normal in normals]
     nothing = np.zeros(len(problem.program.b))
@@ -99,16 +98,15 @@ class Shares:
 def shares_of(seed: int, duration: float, scope: str) -> Shares:
     """Follow six simulated robots with the default filter, in the team or in windows, and clock its projections."""
     scenario = Case("uniform", seed, 6, duration).scenario()
-    team_filter = SetMembershipFilter(scenario.team, scope=Window() if scope == "window" else "team")
+    team_filter = SetMembershipFilter(scenario.team, scope=Window() if scope == "window" else Window.everybody())
     every, projecting = [], []
-    with clocked(regions, PROJECTIONS) as spent, clocked(pairs, PAIRS) as of_pairs:
+    with clocked(Projector, PROJECTIONS) as spent:
         frames = list(scenario.frames)  # so that the simulator's time is not in the steps'
         begin = process_time()
         for _ in steps(team_filter, replace(scenario, frames=iter(frames))):
             every.append(process_time() - begin)
-            projecting.append(sum(spent) + sum(of_pairs))
+            projecting.append(sum(spent))
             spent.clear()
-            of_pairs.clear()
             begin = process_time()
     warm = slice(min(WARM, len(every) - 1), None)
     return Shares(float(np.median(every[warm])), 1 - sum(projecting[warm]) / sum(every[warm]))

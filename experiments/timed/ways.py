@@ -16,13 +16,13 @@ from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import SIMPLEX, Workspace, workspace
-from filter.projection.exact import Walker, project_exactly
-from filter.projection.polygons_of import Stop, position
+from filter.projection.batch import Sheet, blank, project_some
+from filter.projection.proved import position
 from filter.projection.search import project
-from filter.projection.walk import Task, Windowed, project_window
+from filter.projection.stop import Stop
+from filter.projection.walk import Task
 from filter.projection.window import Window, links
 
-EVERYBODY = Window(hops=99, robots=10_000)
 SEARCH = Stop()  # the filter's own
 EXACT = Stop(performance_ratio=1.0, searches=400)
 POLYTOPE = "polytope"
@@ -57,24 +57,19 @@ class Problem:
         made.maximize(self.plane[0])
         return made
 
-    def task(self, stop: Stop) -> Task:
-        """Return the window as the compiled code takes it."""
+    def task(self, stop: Stop, *, inside: bool = False) -> Task:
+        """Return the window as the compiled code takes it, for outer polygons, or inner ones, too."""
         rows, box = self.polytope.constraints, (self.polytope.lower, self.polytope.upper)
-        goal = (float(stop.performance_ratio), float(stop.area_gap), int(stop.searches))
-        who = links(rows, len(self.polytope.lower))
-        return Task(EVERYBODY.hops, EVERYBODY.robots, who, rows.columns, box, goal)
+        who, window = links(rows, len(self.polytope.lower)), Window.everybody()
+        return Task(window.hops, window.robots, inside, stop.goal, who, rows.rows, box)
 
 
-def by_kernel(problem: Problem, task: Task) -> Windowed:
+def by_kernel(problem: Problem, task: Task) -> Sheet:
     """Walk around the shadow in compiled code, certify, simplify and cut: all that the filter does for a window."""
-    return project_window(WORLD, problem.robot, task, np.full(len(problem.polytope.lower), -1))
-
-
-def by_walker(problem: Problem) -> None:
-    """Do the same by the way that the whole team's regions take, its walk compiled and its certificates in numpy."""
-    shadow = Walker(problem.program).shadow(problem.plane, SEARCH)
-    if shadow is not None:
-        project_exactly(problem.program, shadow, problem.plane, None)
+    own = problem.polytope.constraints.rows_of(WORLD, problem.robot)
+    sheet = blank(np.array([len(own)]), task)
+    project_some(np.array([WORLD]), np.array([problem.robot]), task, sheet)
+    return sheet
 
 
 def by_search(problem: Problem, solver: Workspace) -> None:
@@ -107,11 +102,12 @@ def by_polytope(problem: Problem) -> None:
 def ways(problem: Problem) -> dict[str, Callable[[], Any]]:
     """Return the ways by name, ready to be timed; what does not depend on the direction is set up, where there is such."""
     task, piqp, simplex = problem.task(SEARCH), problem.solver("piqp"), problem.solver(SIMPLEX)
+    inside = problem.task(SEARCH, inside=True)
     found: dict[str, Callable[[], Any]] = {
         "piqp_solve": Solves(piqp, problem.plane),
         "highs_warm_solve": Solves(simplex, problem.plane),
         "kernel": lambda: by_kernel(problem, task),
-        "walker": lambda: by_walker(problem),
+        "kernel_inside": lambda: by_kernel(problem, inside),
         "piqp_search": lambda: by_search(problem, piqp),
         "highs_warm_search": lambda: by_search(problem, simplex),
     }

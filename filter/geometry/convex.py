@@ -7,14 +7,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask
+from filter.arrays import Array, Integers
 from filter.compiled import compiled
 
 EPSILON = float(np.finfo(float).eps)
+# What is divided by is never smaller.
+SMALLEST = 1e-100
+
+
+Lines = tuple[Array, Array]  # normals (k, 2), of length 1 to rounding, and offsets (k,) [m]
+Room = tuple[Array, Array, Integers, Integers, Array]  # vertices and what is behind, before and after a cut; how far beyond
 
 
 @compiled
-def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Array, Integers, float]:
+def clip_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Array, Integers, float]:
     """Cut a box by half-planes, one after the other (Sutherland and Hodgman, 1974).
 
     A vertex is cut away only where rounding leaves no doubt that it is outside, and new vertices lie outward of the cut
@@ -27,43 +33,40 @@ def cut_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple
         upper: (2,) corner of the box [m].
 
     Returns:
-        Vertices (e, 2); the half-plane behind each edge (e,), with -4 to -1 for the box's right, top, left and bottom side;
+        Vertices (e, 2); the half-plane behind each edge (e,), from k on the box's right, top, left and bottom side;
         and how far outward the vertices can be short of the polygon [m]. No vertex proves that the set is empty.
     """
-    vertices, edges = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = cut_box_into((vertices, edges), normals, offsets, lower, upper)
-    return vertices[:size].copy(), edges[:size].copy(), margin
+    vertices, behind = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
+    size, margin = clip_into((vertices, behind), (normals, offsets), lower, upper, clip_room(len(offsets)))
+    return vertices[:size].copy(), behind[:size].copy(), margin
 
 
 @compiled
-def cut_box_into(into: tuple[Array, Integers], normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[int, float]:
-    """Do what `cut_box` does into vertices (k + 4, 2) and edges (k + 4,); return how many were written, and the margin."""
-    return cut_into(into, (normals, offsets, np.arange(len(offsets))), lower, upper, room(len(offsets)))
-
-
-Room = tuple[Array, Array, Integers, Integers, Array]  # vertices and edges before and after a cut, and how far beyond it
-Lines = tuple[Array, Array, Integers]  # normals (r, 2) and offsets (r,), and which of them are meant
+def clip_box_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array) -> tuple[int, float]:
+    """Write what `clip_box` returns into vertices (k + 4, 2) and edges (k + 4,); return how many there are, and the margin."""
+    return clip_into(into, lines, lower, upper, clip_room(len(lines[1])))
 
 
 @compiled
-def room(count: int) -> Room:
+def clip_room(count: int) -> Room:
     """Return room to cut a box by so many half-planes."""
-    vertices, edges = np.empty((2, count + 5, 2)), np.empty((2, count + 5), dtype=np.int64)
-    return vertices[0], vertices[1], edges[0], edges[1], np.empty(count + 5)
+    vertices, behind = np.empty((2, count + 5, 2)), np.empty((2, count + 5), dtype=np.int64)
+    return vertices[0], vertices[1], behind[0], behind[1], np.empty(count + 5)
 
 
 @compiled
-def cut_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array, space: Room) -> tuple[int, float]:
-    """Do what `cut_box` does in room that is there; return how many vertices and edges were written, and the margin."""
-    (vertices, edges), (normals, offsets, rows) = into, lines
-    here, after, behind, behind_after, beyond = space
+def clip_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array, room: Room) -> tuple[int, float]:
+    """Do what `clip_box` does in room that is there; return how many vertices and edges were written, and the margin."""
+    (vertices, edges), (normals, offsets) = into, lines
+    here, after, behind, behind_after, beyond = room
     middle_x, middle_y = (lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2
     width, height = upper[0] - middle_x, upper[1] - middle_y
     largest = max(abs(middle_x), abs(middle_y)) + max(width, height)
     here[0], here[1], here[2], here[3] = (width, -height), (width, height), (-width, height), (-width, -height)
-    behind[0], behind[1], behind[2], behind[3] = -4, -3, -2, -1
-    size = 4
-    for row in rows:
+    size, lines_count = 4, len(offsets)
+    for side in range(4):
+        behind[side] = lines_count + side
+    for row in range(lines_count):
         a, b = normals[row, 0], normals[row, 1]
         doubt = 8 * EPSILON * (abs(offsets[row]) + (abs(a) + abs(b)) * largest)
         level = offsets[row] - (a * middle_x + b * middle_y) + doubt
@@ -91,22 +94,21 @@ def cut_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Ar
             break
     for m in range(size):
         vertices[m, 0], vertices[m, 1], edges[m] = here[m, 0] + middle_x, here[m, 1] + middle_y, behind[m]
-    return size, 4 * EPSILON * (len(rows) + 4) * largest
+    return size, 4 * EPSILON * (lines_count + 4) * largest
 
 
 @compiled
 def side_of_box(side: int, lower: Array, upper: Array) -> tuple[float, float, float]:
-    """Return normal and offset of a side of a box, -4 to -1 for right, top, left and bottom."""
-    if side < -2:
-        return (1.0, 0.0, upper[0]) if side == -4 else (0.0, 1.0, upper[1])
-    return (-1.0, 0.0, -lower[0]) if side == -2 else (0.0, -1.0, -lower[1])
+    """Return normal and offset of a side of a box: 0 to 3 for right, top, left and bottom."""
+    if side < 2:
+        return (1.0, 0.0, upper[0]) if side == 0 else (0.0, 1.0, upper[1])
+    return (-1.0, 0.0, -lower[0]) if side == 2 else (0.0, -1.0, -lower[1])
 
 
 @compiled
 def hull_of(points: Array) -> Array:
     """Return the corners of the convex hull of (k, 2) points, counter-clockwise (monotone chain; Andrew, 1979)."""
-    order = np.argsort(points[:, 1], kind="mergesort")
-    order = order[np.argsort(points[order, 0], kind="mergesort")]
+    order = _by_x_and_y(points)
     hull, size = np.empty((2 * len(points), 2)), 0
     for way in range(2):
         base = size
@@ -120,6 +122,34 @@ def hull_of(points: Array) -> Array:
             size += 1
         size -= 1  # where one chain ends the other begins
     return hull[: max(size, 1)].copy()
+
+
+@compiled
+def _by_x_and_y(points: Array) -> Integers:
+    """Return the order of points by x, then by y; they are few, and a library's sort takes seconds to compile."""
+    order = np.arange(len(points))
+    for k in range(1, len(points)):
+        point, place = order[k], k
+        while place and (
+            points[order[place - 1], 0] > points[point, 0]
+            or (points[order[place - 1], 0] == points[point, 0] and points[order[place - 1], 1] > points[point, 1])
+        ):
+            order[place] = order[place - 1]
+            place -= 1
+        order[place] = point
+    return order
+
+
+@compiled
+def _sorted(values: Array) -> Array:
+    """Return the values sorted, in place, as above."""
+    for k in range(1, len(values)):
+        value, place = values[k], k
+        while place and values[place - 1] > value:
+            values[place] = values[place - 1]
+            place -= 1
+        values[place] = value
+    return values
 
 
 @compiled
@@ -169,7 +199,7 @@ def span_of(vertices: Array, margin: float) -> tuple[float, float]:
     """
     doubt = 2 * margin + 8 * EPSILON * np.abs(vertices).max()
     nearest = _distance_of_edges(vertices) - doubt
-    angles = np.sort(np.arctan2(vertices[:, 1], vertices[:, 0]))
+    angles = _sorted(np.arctan2(vertices[:, 1], vertices[:, 0]))
     widest, gap = 0, -1.0  # what is not seen is one gap; from the inside none is as wide as half a turn
     for k in range(len(angles)):
         following = angles[k + 1] if k + 1 < len(angles) else angles[0] + 2 * np.pi
@@ -193,108 +223,3 @@ def _distance_of_edges(vertices: Array) -> float:
         share = min(1.0, max(0.0, -(x * along_x + y * along_y) / length))
         nearest = min(nearest, np.hypot(x + share * along_x, y + share * along_y))
     return nearest
-
-
-@compiled
-def worthy(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> tuple[Mask, float]:
-    """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
-
-    Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
-    the budget, or all that went add no more than the allowance.
-
-    Args:
-        normals: (e, 2) counter-clockwise.
-        offsets: (e,) best from a point inside, for the rounding [m].
-        removable: (e,) the others stay, and count nothing.
-        budget: How many of them may stay.
-        allowance: How much area may be added anyway [m2]; negative for none.
-    """
-    count = len(offsets)
-    keep = np.ones(count, dtype=np.bool_)
-    if not count:
-        return keep, 0.0
-    before, after = np.arange(-1, count - 1), np.arange(1, count + 1)
-    before[0], after[count - 1] = count - 1, 0
-    added = np.full(count, np.inf)
-    for k in range(count):
-        if removable[k]:
-            added[k] = _added_area(normals, offsets, before[k], k, after[k])
-    left, spent = removable.sum(), 0.0
-    while left:
-        least = -1
-        for k in range(count):
-            if keep[k] and removable[k] and (least < 0 or added[k] < added[least]):
-                least = k
-        if left <= budget and not spent + added[least] <= allowance:
-            break
-        keep[least], left = False, left - 1
-        spent += added[least]
-        last, following = before[least], after[least]
-        after[last], before[following] = following, last
-        for k in (last, following):
-            if removable[k]:
-                added[k] = _added_area(normals, offsets, before[k], k, after[k])
-    return keep, spent
-
-
-@compiled
-def worthy_vertices(vertices: Array, allowance: float) -> Mask:
-    """Return which vertices of a convex polygon to keep so that little area is cut off, as `worthy` does for edges.
-
-    Args:
-        vertices: (e, 2) counter-clockwise; some may coincide [m].
-        allowance: How much area may be cut off in all [m2].
-    """
-    count = len(vertices)
-    keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
-    if count <= 3:
-        return keep
-    before[0], after[count - 1] = count - 1, 0
-    cut = np.empty(count)
-    for k in range(count):
-        cut[k] = _triangle(vertices, before[k], k, after[k])
-    left, spent = count, 0.0
-    while left > 3:
-        least = -1
-        for k in range(count):
-            if keep[k] and (least < 0 or cut[k] < cut[least]):
-                least = k
-        spent += cut[least]
-        if not spent <= allowance:
-            break
-        keep[least], left = False, left - 1
-        last, following = before[least], after[least]
-        after[last], before[following] = following, last
-        for k in (last, following):
-            cut[k] = _triangle(vertices, before[k], k, after[k])
-    return keep
-
-
-@compiled
-def _triangle(vertices: Array, a: int, b: int, c: int) -> float:
-    """Return the area between three vertices [m2]."""
-    x0, y0 = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1]
-    x1, y1 = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1]
-    return abs(x0 * y1 - x1 * y0) / 2
-
-
-@compiled
-def _added_area(normals: Array, offsets: Array, before: int, edge: int, after: int) -> float:
-    """Return the area of the triangle that removing an edge adds; infinite where its neighbours do not meet beyond it [m2]."""
-    starts, x0, y0 = _meet(normals, offsets, before, edge)
-    ends, x1, y1 = _meet(normals, offsets, edge, after)
-    meets, x2, y2 = _meet(normals, offsets, before, after)
-    if not (starts and ends and meets):
-        return np.inf
-    return abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
-
-
-@compiled
-def _meet(normals: Array, offsets: Array, first: int, second: int) -> tuple[bool, float, float]:
-    """Return whether a second line turns left of the first by less than half a turn, and where they meet."""
-    a, b, c = normals[first, 0], normals[first, 1], offsets[first]
-    d, e, f = normals[second, 0], normals[second, 1], offsets[second]
-    turn = a * e - b * d
-    if turn <= 0:
-        return False, 0.0, 0.0
-    return True, (c * e - b * f) / turn, (a * f - c * d) / turn

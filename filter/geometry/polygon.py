@@ -11,23 +11,30 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, Mask, finite, read_only
+from filter.arrays import Array, Floats, Frozen, Integers, Mask, finite, floats, instance, number, settle
 from filter.errors import InvalidInput
-from filter.geometry.convex import EPSILON, area_of, centroid_of, cut_box_into, hull_of
+from filter.geometry.convex import EPSILON, area_of, centroid_of, clip_box_into, hull_of
 
 # Sides of a box in the order of its edges: right, top, left, bottom.
 SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+# What is made by hand is right to this share of its size.
+BY_HAND = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Polygon:
+class Polygon(Frozen):
     """A bounded convex polygon; a segment and a point are polygons too.
+
+    Made by `box`, `from_vertices` or `from_half_planes`, as a rule; one that is made by hand is looked at.
 
     Attributes:
         normals: (e, 2) outward normals of the edges, of length 1 to rounding, counter-clockwise.
         offsets: (e,) the polygon is {x : normals x <= offsets} [m].
         vertices: (e, 2) counter-clockwise; vertex k is where edge k begins [m].
         margin: The hull of the vertices widened by this contains the polygon [m].
+
+    Raises:
+        InvalidInput: A value is not finite, or edges and vertices do not go round one bounded polygon.
     """
 
     normals: Array
@@ -36,8 +43,24 @@ class Polygon:
     margin: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("normals", "offsets", "vertices"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
+        normals, offsets = finite("normals", self.normals), finite("offsets [m]", self.offsets)
+        vertices, margin = finite("vertices [m]", self.vertices), number("margin [m]", self.margin, 0)
+        if offsets.ndim != 1 or not normals.shape == vertices.shape == (len(offsets), 2):
+            shapes = f"shapes {normals.shape}, {offsets.shape} and {vertices.shape}"
+            raise InvalidInput("a normal (2,), an offset and a vertex (2,) for each edge of a polygon", shapes)
+        if not _goes_round(normals) or _off_edges(normals, offsets, vertices) > 2 * margin:
+            expected = "normals of length 1, once round counter-clockwise, each vertex where an edge ends and the next begins"
+            raise InvalidInput(f"{expected} (see Polygon.from_half_planes)", f"{len(offsets)} edges that bound no such set")
+        settle(self, normals=normals, offsets=offsets, vertices=vertices, margin=margin)
+        super().__post_init__()
+
+    @classmethod
+    def _of(cls, normals: Array, offsets: Array, vertices: Array, margin: float = 0.0) -> Polygon:
+        """Return a polygon that is known to be one, without a look; its arrays are owned."""
+        polygon = object.__new__(cls)
+        settle(polygon, normals=normals, offsets=offsets, vertices=vertices, margin=margin)
+        Frozen.__post_init__(polygon)
+        return polygon
 
     @classmethod
     def box(cls, lower: Floats, upper: Floats) -> Polygon:
@@ -51,7 +74,7 @@ class Polygon:
             corners = f"{low.tolist()}, {high.tolist()}"
             raise InvalidInput("a box with its lower corner (2,) below its upper corner (2,)", corners)
         vertices = np.array([[high[0], low[1]], high, [low[0], high[1]], low])
-        return cls(SIDES, np.concatenate([high, -low]), vertices)
+        return cls._of(SIDES, np.concatenate([high, -low]), vertices)
 
     @classmethod
     def from_vertices(cls, points: Floats) -> Polygon:
@@ -84,17 +107,27 @@ class Polygon:
             edges = np.array([along, [-along[1], along[0]], -along, [along[1], -along[0]]])
             vertices = vertices[[0, 1, 1, 0]] if len(vertices) == 2 else vertices[[0, 0, 0, 0]]
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
-        return cls(normals, (array @ normals.T).max(axis=0), vertices)
+        return cls._of(normals, (array @ normals.T).max(axis=0), vertices)
 
     @classmethod
     def from_half_planes(cls, normals: Floats, offsets: Floats, lower: Floats, upper: Floats) -> Polygon:
         """Return the part of a box that lies in all half-planes {x : normals x <= offsets}.
 
+        Args:
+            normals: (k, 2) of any length.
+            offsets: (k,) [m].
+            lower: (2,) corner of the box [m].
+            upper: (2,) corner of the box [m].
+
         Raises:
-            InvalidInput: Nothing is left, or the box is not one.
+            InvalidInput: Nothing is left, the box is not one, or a value is not finite.
         """
-        box = cls.box(lower, upper)
-        kept = clip(finite("normals", normals).reshape(-1, 2), finite("offsets [m]", offsets).reshape(-1), *box.bounds)
+        across, offset = finite("normals", normals), np.atleast_1d(finite("offsets [m]", offsets))
+        if across.size == 0 == offset.size:
+            across = np.zeros((0, 2))
+        if offset.ndim != 1 or across.shape != (len(offset), 2):
+            raise InvalidInput("a normal (2,) and an offset for each half-plane", f"shapes {across.shape} and {offset.shape}")
+        kept = clip(across, offset, *cls.box(lower, upper).bounds)
         if kept is None:
             raise InvalidInput("half-planes with a point of the box in common", "an empty set")
         return kept[0]
@@ -115,32 +148,67 @@ class Polygon:
         return self.vertices.min(axis=0) - self.margin, self.vertices.max(axis=0) + self.margin
 
     def contains(self, points: Floats) -> Mask:
-        """Return whether (..., 2) points satisfy every half-plane."""
-        return np.all(np.asarray(points) @ self.normals.T <= self.offsets, axis=-1)
+        """Return whether (..., 2) points satisfy every half-plane; one that is not finite does not.
+
+        Raises:
+            InvalidInput: They are no points.
+        """
+        places = floats("points [m]", points)
+        if not places.ndim or places.shape[-1] != 2:
+            raise InvalidInput("points as (..., 2) coordinates", f"shape {places.shape}")
+        with np.errstate(invalid="ignore", over="ignore"):
+            return np.all(places @ self.normals.T <= self.offsets, axis=-1)
 
     def support(self, directions: Floats) -> Array:
-        """Return (k,) upper bounds of direction . x over the polygon for (k, 2) directions [m]."""
-        wanted = np.asarray(directions, dtype=float)
+        """Return (k,) upper bounds of direction . x over the polygon for (k, 2) directions [m].
+
+        Raises:
+            InvalidInput: They are no directions.
+        """
+        wanted = finite("directions", directions)
+        if wanted.ndim != 2 or wanted.shape[1] != 2:
+            raise InvalidInput("directions as (k, 2) vectors", f"shape {wanted.shape}")
         rounding = 4 * EPSILON * np.abs(self.vertices).max()
         return (wanted @ self.vertices.T).max(axis=-1) + (self.margin + rounding) * np.abs(wanted).sum(axis=-1)
 
     def intersection(self, other: Polygon) -> Polygon | None:
-        """Return what two polygons have in common, or None when that is proved to be nothing."""
+        """Return what two polygons have in common, or None when that is proved to be nothing.
+
+        Raises:
+            InvalidInput: The other one is no polygon.
+        """
+        instance("another polygon", other, Polygon)
         normals, offsets = np.concatenate([self.normals, other.normals]), np.concatenate([self.offsets, other.offsets])
         kept = clip(normals, offsets, *self.bounds)
         return kept[0] if kept else None
 
 
+def _goes_round(normals: Array) -> bool:
+    """Return whether (e, 2) normals are of length 1 and turn once round, never by half a turn: edges around a bounded set."""
+    if not len(normals) or (np.abs(np.hypot(normals[:, 0], normals[:, 1]) - 1) > BY_HAND).any():
+        return False
+    before = np.roll(normals, 1, axis=0)
+    across = before[:, 0] * normals[:, 1] - before[:, 1] * normals[:, 0]
+    along = (before * normals).sum(axis=1)
+    turns = np.arctan2(across, along).sum() / (2 * np.pi)
+    return round(turns) == 1 and bool(((across > 0) | (along > 0)).all())
+
+
+def _off_edges(normals: Array, offsets: Array, vertices: Array) -> float:
+    """Return how far (e, 2) vertices are beyond any edge, or off the two edges that end and begin there, less rounding [m]."""
+    beyond, edges = vertices @ normals.T - offsets, np.arange(len(offsets))
+    off = max(beyond.max(), -beyond[edges, edges].min(), -beyond[edges, edges - 1].min())
+    return float(off - BY_HAND * np.abs(vertices).max())
+
+
 def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:
-    """Return what half-planes leave of a box as a polygon, and what is behind each edge, both as in `cut_box`.
+    """Return what half-planes leave of a box as a polygon, and what is behind each edge, both as in `clip_box`.
 
     It errs outward alone, also where it is thin or a point. None proves that nothing is left.
     """
-    vertices, edges = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = cut_box_into((vertices, edges), normals, offsets, lower, upper)
+    vertices, behind = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
+    size, margin = clip_box_into((vertices, behind), (normals, offsets), lower, upper)
     if not size:
         return None
-    vertices, edges = vertices[:size], edges[:size].copy()
-    everything = np.concatenate([normals, SIDES]), np.concatenate([offsets, upper, -lower])
-    index = np.where(edges < 0, edges + 4 + len(normals), edges)
-    return Polygon(everything[0][index], everything[1][index], vertices, margin), edges
+    everything, edges = (np.concatenate([normals, SIDES]), np.concatenate([offsets, upper, -lower])), behind[:size].copy()
+    return Polygon._of(everything[0][edges], everything[1][edges], vertices[:size].copy(), margin), edges

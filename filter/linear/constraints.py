@@ -1,19 +1,18 @@
 """Every constraint is a half-plane on one robot or on a pair: normal . (x_j - x_i) <= offset.
 
-Kept as a struct of arrays, never as a list of objects, so that prediction, pruning and the cut-out of sub-teams are a
-few array expressions.
+Kept as one sorted table, never as a list of objects, so that prediction, pruning and the cut-out of sub-teams are a few
+array expressions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array, Integers, Mask, read_only
+from filter.arrays import Array, Integers, Table
 from filter.compiled import compiled
 from filter.geometry.convex import EPSILON
 
@@ -23,8 +22,10 @@ Columns = tuple[Integers, Integers, Array, Array]  # i, j, normal and offset, as
 
 
 @dataclass(frozen=True, eq=False)
-class Constraints:
+class Constraints(Table):
     """Rows normal . (x_j - x_i) <= offset; with i = WORLD, normal . x_j <= offset.
+
+    They are sorted by i and j, in whatever order they come; within a robot or a pair they keep their order.
 
     Attributes:
         i: (r,) robot, or WORLD; always below j.
@@ -41,8 +42,12 @@ class Constraints:
     source: Integers
 
     def __post_init__(self) -> None:
-        for column in fields(self):
-            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
+        if (self._keys[1:] < self._keys[:-1]).any():
+            order = np.argsort(self._keys, kind="stable")
+            for name, column in zip(self.__dataclass_fields__, self.columns, strict=True):
+                object.__setattr__(self, name, column[order])
+            object.__setattr__(self, "_keys", self._keys[order])
+        super().__post_init__()
 
     @classmethod
     def between(cls, i: Integers, j: Integers, normal: Array, offset: Array, source: Integers) -> Constraints:
@@ -56,22 +61,10 @@ class Constraints:
         """Return absolute rows on one robot."""
         return cls(np.full(len(offset), WORLD), np.full(len(offset), robot), normal, offset, source)
 
-    @classmethod
-    def concatenate(cls, parts: Sequence[Constraints]) -> Constraints:
-        """Return all rows of the parts, in their order."""
-        return cls(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(cls)))
-
-    def __len__(self) -> int:
-        return len(self.offset)
-
     @property
-    def columns(self) -> Columns:
+    def rows(self) -> Columns:
         """The rows without their sources."""
         return self.i, self.j, self.normal, self.offset
-
-    def select(self, rows: Integers | Mask) -> Constraints:
-        """Return some of the rows, by index or mask."""
-        return Constraints(*(getattr(self, column.name)[rows] for column in fields(self)))
 
     def shifted(self, by: Array) -> Constraints:
         """Return the rows with offsets changed by (r,) amounts [m], the sum's rounding on the outer side."""
@@ -81,35 +74,27 @@ class Constraints:
 
     def rows_of(self, i: int, j: int) -> Integers:
         """Return the rows on one pair, or with i = WORLD on one robot."""
-        order, begin, end = self.groups(np.array([i]), np.array([j]))
-        return order[begin[0] : end[0]]
+        begin, end = self.groups(np.array([i]), np.array([j]))
+        return np.arange(begin[0], end[0])
 
-    def groups(self, i: Integers, j: Integers) -> tuple[Integers, Integers, Integers]:
-        """Return the rows of each of (g) pairs, or of robots where i is WORLD.
-
-        Returns:
-            All rows in the order of their groups (r,), and where in it those of each pair begin and end, (g,) and (g,).
-        """
-        order, keys = self._groups
+    def groups(self, i: Integers, j: Integers) -> tuple[Integers, Integers]:
+        """Return where the rows of each of (g) pairs, or of robots where i is WORLD, begin and end, (g,) and (g,)."""
         # A robot beyond every row has none; its key would be another pair's.
         key = np.where(j < self._stride, (i + 1) * self._stride + j, -1)
-        return order, np.searchsorted(keys, key), np.searchsorted(keys, key, side="right")
+        return np.searchsorted(self._keys, key), np.searchsorted(self._keys, key, side="right")
 
-    def grouped(self) -> tuple[Integers, Integers, Integers, Integers]:
-        """Return all rows in the order of their robots and pairs (r,), and i, j and number of rows of each of these (g,)."""
-        order, keys = self._groups
-        first = np.flatnonzero(np.diff(keys, prepend=-1))
-        return order, keys[first] // self._stride - 1, keys[first] % self._stride, np.diff(first, append=len(keys))
+    def grouped(self) -> tuple[Integers, Integers, Integers]:
+        """Return i and j of each robot and each pair that has rows (g,), and where these begin (g + 1,)."""
+        begin = np.flatnonzero(np.diff(self._keys, prepend=-1))
+        return self.i[begin], self.j[begin], np.append(begin, len(self))
 
     @cached_property
     def _stride(self) -> int:
         return int(self.j.max(initial=0)) + 1
 
     @cached_property
-    def _groups(self) -> tuple[Integers, Integers]:
-        keys = (self.i + 1) * self._stride + self.j
-        order = np.argsort(keys, kind="stable")
-        return order, keys[order]
+    def _keys(self) -> Integers:
+        return (self.i + 1) * self._stride + self.j
 
     def matrix(self, bodies: int) -> sparse.csr_array:
         """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""

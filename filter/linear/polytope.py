@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.arrays import Array, Integers, read_only
-from filter.geometry.polygons import Cuts, cut_boxes
+from filter.arrays import Array, Frozen, Integers
+from filter.geometry.many import Clipped, clip_boxes
 from filter.linear.constraints import WORLD, Constraints, may_be_broken
 from filter.linear.program import LinearProgram
 
 
 @dataclass(frozen=True, eq=False)
-class Polytope:
+class Polytope(Frozen):
     """The set of configurations {x : constraints, lower <= x <= upper}.
 
     Attributes:
@@ -28,18 +28,9 @@ class Polytope:
     upper: Array
     origin: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "origin", read_only(self.origin))
-        object.__setattr__(self, "lower", read_only(self.lower))
-        object.__setattr__(self, "upper", read_only(self.upper))
-
     def with_constraints(self, constraints: Constraints) -> Polytope:
         """Return the same box with other rows."""
         return Polytope(constraints, self.lower, self.upper, self.origin)
-
-    def source_of_box(self, robot: int) -> Integers:
-        """Return the number of the source of a robot's box, (1,), or (0,) when it is not known."""
-        return self.origin[robot : robot + 1]
 
     def program(self) -> LinearProgram:
         """Return the polytope as a linear program in (x_0, y_0, x_1, y_1, ...)."""
@@ -49,13 +40,13 @@ class Polytope:
 
     def may_have_a_broken_row(self) -> bool:
         """Return whether some row seems to hold nowhere in the box; a look that is cheap, and no proof."""
-        return bool(may_be_broken(self.constraints.columns, self.lower, self.upper))
+        return bool(may_be_broken(self.constraints.rows, self.lower, self.upper))
 
-    def of_robots(self, robots: Integers) -> Cuts:
+    def of_robots(self, robots: Integers) -> Clipped:
         """Return polygons around (g) robots, each from its own rows alone, and the row behind each edge."""
         return self.of(np.full(len(robots), WORLD), robots)
 
-    def of(self, i: Integers, j: Integers) -> Cuts:
+    def of(self, i: Integers, j: Integers) -> Clipped:
         """Return polygons around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD; and the row behind each edge.
 
         Each is from the rows of its own robot or pair alone, and from the box.
@@ -63,4 +54,4 @@ class Polytope:
         rows, mutual, lower, upper = self.constraints, np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
         lower[mutual] = np.nextafter(lower[mutual] - self.upper[i[mutual]], -np.inf)
         upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)
-        return cut_boxes(rows.normal, rows.offset, rows.groups(i, j), lower, upper)
+        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), lower, upper)

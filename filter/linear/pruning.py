@@ -6,8 +6,9 @@ import numpy as np
 
 from filter.arrays import Array, Integers, Mask
 from filter.compiled import compiled
-from filter.geometry.convex import centroid_of, worthy
-from filter.geometry.polygons import Cuts
+from filter.geometry.convex import centroid_of
+from filter.geometry.many import Clipped
+from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 
@@ -19,27 +20,28 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     whose removal adds the least area. The box stays, and counts nothing.
     """
     rows = polytope.constraints
-    order, i, j, size = rows.grouped()
-    budget = np.where(i == WORLD, rows_per_robot, rows_per_pair)
-    keep = np.zeros(len(rows), dtype=bool)
+    i, j, first = rows.grouped()
+    size, budget = np.diff(first), np.where(i == WORLD, rows_per_robot, rows_per_pair)
     crowded = np.flatnonzero(size > budget)
-    cuts = polytope.of(i[crowded], j[crowded])
-    keep[worthy_rows(cuts, budget[crowded])] = True
+    if not len(crowded):
+        return rows
+    clipped = polytope.of(i[crowded], j[crowded])
     stays = size <= budget
-    stays[crowded[cuts.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
-    keep[order[np.repeat(stays, size)]] = True
+    stays[crowded[clipped.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
+    keep = np.repeat(stays, size)
+    keep[worthy_rows(clipped, budget[crowded], len(rows))] = True
     return rows.select(keep)
 
 
-def worthy_rows(cuts: Cuts, budget: Integers) -> Integers:
+def worthy_rows(clipped: Clipped, budget: Integers, rows: int) -> Integers:
     """Return which of the polygons' rows to keep so that little area is added: at most so many (g,) of each.
 
-    Greedy: again and again the edge goes whose removal adds least. Sides of the box stay and count nothing.
+    Greedy: again and again the edge goes whose removal adds least. Sides of the box, numbered from `rows` on, stay and
+    count nothing.
     """
-    outlines = cuts.polygons
-    lines = outlines.normals, outlines.offsets
-    keep = _worthy(lines, outlines.vertices, outlines.first, cuts.edges >= 0, budget)
-    return cuts.edges[keep & (cuts.edges >= 0)]
+    outlines, is_row = clipped.polygons, clipped.behind < rows
+    keep = _worthy((outlines.normals, outlines.offsets), outlines.vertices, outlines.first, is_row, budget)
+    return clipped.behind[keep & is_row]
 
 
 @compiled
@@ -50,5 +52,5 @@ def _worthy(lines: tuple[Array, Array], vertices: Array, first: Integers, remova
         begin, end = first[k], first[k + 1]
         x, y = centroid_of(vertices[begin:end])
         level = offsets[begin:end] - (normals[begin:end, 0] * x + normals[begin:end, 1] * y)
-        keep[begin:end], _ = worthy(normals[begin:end], level, removable[begin:end], budget[k], -1.0)
+        keep[begin:end], _ = edges_worth_keeping(normals[begin:end], level, removable[begin:end], budget[k], -1.0)
     return keep

@@ -6,7 +6,7 @@ module that imports piqp, highspy and qpsolvers, and not before they are asked: 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Protocol
@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array
+from filter.arrays import Array, several, shown
 from filter.errors import InvalidInput
 from filter.linear.program import LinearProgram
 from filter.linear.scaled import ScaledProgram
@@ -72,8 +72,23 @@ def check_solver(solver: Solver, others: Sequence[str] = ()) -> None:
     import qpsolvers  # noqa: PLC0415 - see above
 
     known = [*others, *sorted([*qpsolvers.available_solvers, SIMPLEX])]
-    if not isinstance(solver, str) or solver not in known:
-        raise InvalidInput(f"a solver among {', '.join(known)}", repr(solver))
+    if not callable(solver) and not (isinstance(solver, str) and solver in known):
+        raise InvalidInput(f"a solver among {', '.join(known)}", shown(solver))
+
+
+def checked_solvers(solvers: Iterable[Solver]) -> tuple[Solver, ...]:
+    """Return solvers that are all installed.
+
+    Raises:
+        InvalidInput: One is not, or they come as one text.
+    """
+    expected = 'a tuple of solvers, such as ("piqp", "highs")'
+    if isinstance(solvers, str):
+        raise InvalidInput(expected, shown(solvers))
+    every = several(expected, solvers, object)
+    for solver in every:
+        check_solver(solver)
+    return every
 
 
 def _is_installed(solver: str) -> bool:
@@ -86,7 +101,7 @@ def name_of(solver: Solver) -> str:
     return solver if isinstance(solver, str) else getattr(solver, "__name__", type(solver).__name__)
 
 
-class Chain:
+class Workspaces:
     """Workspaces of several solvers for one program, each made when it is first asked for.
 
     Attributes:

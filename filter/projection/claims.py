@@ -1,117 +1,184 @@
-"""The outer polygons of a whole team, of robots or of pairs, and what every edge of them rests on."""
+"""Polygons around robots or pairs, and the rows that prove every edge of them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
+from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array, Frozen, Integers, Mask
+from filter.geometry.many import Clipped, Polygons, areas_of
 from filter.geometry.polygon import Polygon
-from filter.geometry.polygons import Cuts, Polygons, joined, places
-from filter.linear.constraints import WORLD
-from filter.linear.polytope import Polytope
-from filter.projection.polygons_of import Projection, Reason
-from filter.projection.projector import Failure
-from filter.projection.walk import PROVED
+from filter.projection.stop import Reason
+
+
+def joined(firsts: Sequence[Integers]) -> Integers:
+    """Return where the pieces of lists begin, (n + 1,), when lists of (n_k + 1,) beginnings each are laid end to end."""
+    counts = np.concatenate([np.zeros(1, dtype=np.int64), *(np.diff(first) for first in firsts)])
+    return np.cumsum(counts)
+
+
+def places(first: Integers, index: Integers) -> tuple[Integers, Integers]:
+    """Return the places of what some pieces of a list hold, one piece after the other, and where each piece then begins.
+
+    Args:
+        first: (n + 1,) where the pieces begin.
+        index: (k,) which pieces.
+    """
+    counts = first[index + 1] - first[index]
+    begins = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
+    return np.repeat(first[index] - begins[:-1], counts) + np.arange(begins[-1]), begins
 
 
 @dataclass(frozen=True, eq=False)
-class Outlines:
+class Weights(Frozen):
+    """Which rows of a polytope prove each of k claims, claim after claim.
+
+    Attributes:
+        row: (m,) rows.
+        weight: (m,) the multiplier of each, above 0.
+        first: (k + 1,) where those of each claim begin.
+    """
+
+    row: Integers
+    weight: Array
+    first: Integers
+
+    @classmethod
+    def of(cls, multipliers: Array) -> Weights:
+        """Return what is not zero of (k, r) multipliers."""
+        claim, row = np.nonzero(multipliers)
+        first = np.searchsorted(claim, np.arange(len(multipliers) + 1))
+        return cls(row, multipliers[claim, row], first)
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Weights]) -> Weights:
+        """Return the weights of all parts' claims, in their order."""
+        row, weight = (np.concatenate([getattr(part, name) for part in parts]) for name in ("row", "weight"))
+        return cls(row, weight, joined([part.first for part in parts]))
+
+    def select(self, claims: Integers) -> Weights:
+        """Return the weights of some claims, by (c,) index."""
+        index, first = places(self.first, claims)
+        return Weights(self.row[index], self.weight[index], first)
+
+    def __len__(self) -> int:
+        return len(self.first) - 1
+
+    @cached_property
+    def counts(self) -> Integers:
+        """(k,) how many rows prove each claim."""
+        return np.diff(self.first)
+
+    def rests_on(self, claim: int) -> tuple[Integers, Array]:
+        """Return the rows that a claim is proved from, and their multipliers."""
+        some = slice(self.first[claim], self.first[claim + 1])
+        return self.row[some], self.weight[some]
+
+
+@dataclass(frozen=True, eq=False)
+class Hulls(Frozen):
+    """Convex hulls laid end to end, given by their corners; where there is none, nothing is known.
+
+    Attributes:
+        corners: (p, 2) counter-clockwise [m].
+        first: (n + 1,) where those of each begin.
+    """
+
+    corners: Array
+    first: Integers
+
+    @classmethod
+    def none(cls, count: int) -> Hulls:
+        """Return so many of which nothing is known."""
+        return cls(np.zeros((0, 2)), np.zeros(count + 1, dtype=np.int64))
+
+    @classmethod
+    def of(cls, polygons: Sequence[Polygon | None]) -> Hulls:
+        """Return single hulls laid end to end."""
+        corners = [np.zeros((0, 2)) if polygon is None else polygon.vertices for polygon in polygons]
+        return cls(np.concatenate([np.zeros((0, 2)), *corners]), np.cumsum([0, *map(len, corners)]))
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Hulls]) -> Hulls:
+        """Return the hulls of all parts, in their order."""
+        return cls(np.concatenate([part.corners for part in parts]), joined([part.first for part in parts]))
+
+    def select(self, index: Integers) -> Hulls:
+        """Return some of the hulls, by (k,) index."""
+        corners, first = places(self.first, index)
+        return Hulls(self.corners[corners], first)
+
+    def __len__(self) -> int:
+        return len(self.first) - 1
+
+    def __getitem__(self, index: int) -> Polygon | None:
+        corners = self.corners[self.first[index] : self.first[index + 1]]
+        return Polygon.hull(corners) if len(corners) else None
+
+    @property
+    def known(self) -> Mask:
+        """(n,) whether there is one."""
+        return np.diff(self.first) > 0
+
+    @cached_property
+    def areas(self) -> Array:
+        """(n,) [m2]; 0 where there is none."""
+        return areas_of(self.corners, self.first)
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines(Frozen):
     """Polygons that contain robots, or pairs (x_j - x_i), each edge with its proof from the rows of a polytope.
 
     Attributes:
         outer: (n) polygons.
-        behind: (e,) what is behind each edge: a row on the robot or the pair alone, -4 to -1 for a side of its box, PROVED for
-            others.
-        row: (m,) the rows that prove the edges, edge after edge.
-        multiplier: (m,) of each, above 0.
-        row_first: (e + 1,) where those of each edge begin.
-        inner: (n) polygons of which every point is possible, or None.
+        weights: Of each of their edges (e); those that no row proves are sides of boxes.
+        inner: (n) polygons of which every point is possible.
         searches: (n,) how many directions were searched, or edges kept.
         reasons: (n) what decided that, or None.
     """
 
     outer: Polygons
-    behind: Integers
-    row: Integers
-    multiplier: Array
-    row_first: Integers
-    inner: tuple[Polygon | None, ...]
+    weights: Weights
+    inner: Hulls
     searches: Integers
     reasons: tuple[Reason | None, ...]
 
     @classmethod
-    def at_a_glance(cls, cuts: Cuts, reason: Reason | None = None) -> Outlines:
-        """Return what own rows and boxes say, without a projection: larger, sound, nothing known from inside."""
-        alone, count = cuts.edges >= 0, len(cuts.polygons)
-        first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(alone)])
-        zeros, row = np.zeros(count, dtype=np.int64), cuts.edges[alone]
-        return cls(cuts.polygons, cuts.edges, row, np.ones(len(row)), first, (None,) * count, zeros, (reason,) * count)
-
-    @classmethod
-    def of(cls, polytope: Polytope, robots: Integers, projections: Sequence[Projection]) -> Outlines:
-        """Return projections of the polytope onto some robots' positions, which their own rows have cut."""
-        behind, claims = [], []
-        for robot, found in zip(robots.tolist(), projections, strict=True):
-            own = polytope.constraints.rows_of(WORLD, robot)
-            behind.append(np.concatenate([np.full(found.searches, PROVED), own, np.arange(-4, 0)])[found.edges])
-            claims.append(_claims(found, own))
-        counts = [np.bincount(claim, minlength=len(edges)) for (claim, _, _), edges in zip(claims, behind, strict=True)]
-        return cls(
-            Polygons.of([found.outer for found in projections]),
-            np.concatenate([np.zeros(0, dtype=np.int64), *behind]),
-            np.concatenate([np.zeros(0, dtype=np.int64), *(row for _, row, _ in claims)]),
-            np.concatenate([np.zeros(0), *(weight for _, _, weight in claims)]),
-            np.cumsum(np.concatenate([np.zeros(1, dtype=np.int64), *counts])),
-            tuple(found.inner for found in projections),
-            np.array([found.searches for found in projections], dtype=np.int64),
-            tuple(found.reason for found in projections),
-        )
+    def at_a_glance(cls, clipped: Clipped, rows: int, reason: Reason | None = None) -> Outlines:
+        """Return what own rows, of so many rows in all, and boxes say: larger, sound, nothing known from inside."""
+        is_row, count = clipped.behind < rows, len(clipped.polygons)
+        first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(is_row)])
+        weights = Weights(clipped.behind[is_row], np.ones(first[-1]), first)
+        return cls(clipped.polygons, weights, Hulls.none(count), np.zeros(count, dtype=np.int64), (reason,) * count)
 
     @classmethod
     def concatenate(cls, parts: Sequence[Outlines]) -> Outlines:
         """Return the outlines of all parts, in their order."""
+        names, outer = ("normals", "offsets", "vertices", "margin"), [part.outer for part in parts]
+        normals, offsets, vertices, margin = (np.concatenate([getattr(each, name) for each in outer]) for name in names)
         return cls(
-            Polygons.concatenate([part.outer for part in parts]),
-            np.concatenate([part.behind for part in parts]),
-            np.concatenate([part.row for part in parts]),
-            np.concatenate([part.multiplier for part in parts]),
-            joined([part.row_first for part in parts]),
-            tuple(chain.from_iterable(part.inner for part in parts)),
+            Polygons(normals, offsets, vertices, margin, joined([each.first for each in outer])),
+            Weights.concatenate([part.weights for part in parts]),
+            Hulls.concatenate([part.inner for part in parts]),
             np.concatenate([part.searches for part in parts]),
-            tuple(chain.from_iterable(part.reasons for part in parts)),
+            tuple(reason for part in parts for reason in part.reasons),
         )
 
     def select(self, index: Integers) -> Outlines:
         """Return some of the outlines, by (k,) index."""
-        edges, _ = places(self.outer.first, index)
-        rows, first = places(self.row_first, edges)
+        edges, first = places(self.outer.first, index)
+        outer = self.outer.normals[edges], self.outer.offsets[edges], self.outer.vertices[edges], self.outer.margin[index]
         return Outlines(
-            self.outer.select(index),
-            self.behind[edges],
-            self.row[rows],
-            self.multiplier[rows],
-            first,
-            tuple(self.inner[k] for k in index),
+            Polygons(*outer, first),
+            self.weights.select(edges),
+            self.inner.select(index),
             self.searches[index],
-            tuple(self.reasons[k] for k in index),
+            tuple(self.reasons[k] for k in index.tolist()),
         )
-
-
-def _claims(found: Projection, own: Integers) -> tuple[Integers, Integers, Array]:
-    """Return which edge (m,) is proved by which row (m,) with which weight (m,); what was known proves itself."""
-    edge_of = np.full(found.searches + len(own), -1)
-    fixed = np.flatnonzero(found.edges >= 0)
-    edge_of[found.edges[fixed]] = fixed
-    weights, itself = found.weights, edge_of[found.searches :]
-    claim = np.concatenate([edge_of[weights.direction], itself])
-    row, weight = np.concatenate([weights.row, own]), np.concatenate([weights.weight, np.ones(len(own))])
-    order = np.argsort(claim, kind="stable")
-    order = order[np.searchsorted(claim[order], 0) :]  # without the directions and rows that are no edge
-    return claim[order], row[order], weight[order]
 
 
 def in_order(pieces: Sequence[tuple[Integers, Outlines]]) -> Outlines:
@@ -120,27 +187,3 @@ def in_order(pieces: Sequence[tuple[Integers, Outlines]]) -> Outlines:
     found = np.flatnonzero(np.diff(every.outer.first))
     wanted = found[np.argsort(numbers[found])]
     return every if np.array_equal(wanted, np.arange(len(numbers))) else every.select(wanted)
-
-
-@dataclass(frozen=True, eq=False)
-class Outlined:
-    """What a projection of every robot, or of some pairs, gave.
-
-    Attributes:
-        outlines: (n) of all of them.
-        failures: Where solvers failed.
-    """
-
-    outlines: Outlines
-    failures: tuple[Failure, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Contradiction:
-    """A proof that a polytope is empty.
-
-    Attributes:
-        multipliers: (r,) of its rows.
-    """
-
-    multipliers: Array

@@ -13,27 +13,33 @@ import numpy as np
 from filter.arrays import Array
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import Workspace
-from filter.projection.polygons_of import (
+from filter.projection.claims import Weights
+from filter.projection.proved import (
     NOTHING,
     HalfPlanes,
     Projection,
-    Reason,
-    Stop,
-    Weights,
     certified_offsets,
     inner_polygon,
     looseness,
     outer_polygon,
 )
+from filter.projection.stop import IsOver, Reason, Stop, never
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
-NEGLIGIBLE = 1e-12
+NO_TRIANGLE = 1e-12
 # Across a set thinner than this share, the line between the first two points is rounding.
 THIN = 1e-6
 
 
 def project(
-    program: LinearProgram, solver: Workspace, D: Array, interior: Array, *, stop: Stop, known: HalfPlanes = NOTHING
+    program: LinearProgram,
+    solver: Workspace,
+    D: Array,
+    interior: Array,
+    *,
+    stop: Stop,
+    known: HalfPlanes = NOTHING,
+    is_over: IsOver = never,
 ) -> Projection:
     """Project the program's polytope by any D (2, v), onto {D x}.
 
@@ -44,13 +50,14 @@ def project(
         interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
         stop: When to end; it looks at what the searches found, not at what was known.
         known: Half-planes that contain the projection anyway; they cut the outer polygon.
+        is_over: Whether time is up; it is asked from the fourth search on.
 
     Algorithm:
         Section 7 of the paper: two opposite searches, two normal to the line between their points, then always
         normal to the inner edge of the largest triangle. The bounds on areas hold for any points of the optimal
         faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
     """
-    search = _Search(solver, D, stop)
+    search = _Search(solver, D, stop, is_over)
     search.run()
     directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
     points = np.array(search.points).reshape(-1, D.shape[1])
@@ -85,6 +92,7 @@ class _Search:
     solver: Workspace
     D: Array
     stop: Stop
+    is_over: IsOver
     supports: list[_Support] = field(default_factory=list)
     directions: list[complex] = field(default_factory=list)
     points: list[Array] = field(default_factory=list)
@@ -94,16 +102,16 @@ class _Search:
     reason: Reason = "solver"
 
     def run(self) -> None:
-        began = self.stop.now()
         if not self._begin():
             return
         while True:
             supports = self.supports
             inner_area, gap = self._inner_area(), sum(support.triangle for support in supports)
             self._record(inner_area, inner_area + gap)
-            reason = self.stop.reason(inner_area, gap, len(self.directions), began)
+            reason = self.stop.reason(inner_area, gap, len(self.directions))
+            reason = reason or ("time" if self.is_over() else None)
             k = max(range(len(supports)), key=lambda k: supports[k].triangle)
-            if reason or supports[k].triangle <= NEGLIGIBLE * (inner_area + gap):
+            if reason or supports[k].triangle <= NO_TRIANGLE * (inner_area + gap):
                 self.reason = reason or "exact"
                 return
             edge = supports[(k + 1) % len(supports)].point - supports[k].point
@@ -156,7 +164,7 @@ def _cross(a: complex, b: complex) -> float:
 def _triangle(here: _Support, after: _Support) -> float:
     """Return the area between the line from one point to the next and their two supporting lines [m2]."""
     turn = _cross(here.direction, after.direction)
-    if turn <= NEGLIGIBLE:
+    if turn <= NO_TRIANGLE:
         return 0.0
     edge = after.point - here.point
     # The supporting lines meet where the first one, from its point on, has come as far along the second direction.

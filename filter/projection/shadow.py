@@ -14,8 +14,8 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.geometry.convex import area_of, worthy
-from filter.projection.polygons_of import Reason
+from filter.geometry.convex import SMALLEST, area_of
+from filter.geometry.simplify import edges_worth_keeping
 from filter.projection.simplex import (
     FOUND,
     LOST,
@@ -35,20 +35,14 @@ from filter.projection.simplex import (
 LONGEST, LONGEST_EACH = 400, 50
 # A vertex that violates a row by more than this share of the box shows that the walk has strayed.
 STRAYED = 1e-8
-# An edge that is certified this much beyond where it was found, relative to the box, shows that the walk went wrong.
-BEYOND = 1e-7
 # Edges whose normals turn by less are one.
 SAME = 1e-13
-# What decides how many edges are kept, as in `Projection`.
-REASONS: tuple[Reason, ...] = ("exact", "performance ratio", "area gap", "searches")
+# What decides how many edges are kept: places in `REASONS`.
+EXACTLY, BY_RATIO, BY_GAP, BY_SEARCHES = 0, 1, 2, 3
 # Edges that together add less than this share of the allowance are rounding.
-NEGLIGIBLE = 1e-6
-# A price below this says that a row does not matter; an exchange leaves as much of a zero.
-WORTHLESS = 1e-12
-# What is divided by is never smaller.
-SMALLEST = 1e-100
+NEGLIGIBLE_SHARE_OF_AREA = 1e-6
 # An edge whose shadow is shorter than this share of the plane's unit has none.
-NO_SHADOW = 1e-9
+NO_SHADOW = 1e-8
 
 
 class Trace(NamedTuple):
@@ -94,7 +88,9 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
         trace: Filled as far as it has room; with none, LOST only means that the walk is.
         limit: The greatest number of exchanges.
     """
-    across, up = first @ basis.inverse, second @ basis.inverse  # prices for the plane's two axes
+    across, up = np.empty(len(first)), np.empty(len(first))  # prices for the plane's two axes
+    price(first, basis, across)
+    price(second, basis, up)
     weights, rates = np.empty(len(first)), np.empty(len(rows.offset))
     x, y, turned = 1.0, 0.0, 0.0
     _keep(trace, basis, across, up, x, y)
@@ -119,9 +115,21 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
         exchange_prices(up, k, weights)
         if count % MENDED_AFTER == MENDED_AFTER - 1:
             mend(rows, basis)
-            across[:], up[:] = first @ basis.inverse, second @ basis.inverse
+            price(first, basis, across)
+            price(second, basis, up)
         _keep(trace, basis, across, up, x, y)
     return LOST
+
+
+@compiled
+def price(objective: Array, basis: Basis, prices: Array) -> None:
+    """Write the weights of the basic rows whose combination is an objective (v,)."""
+    for k in range(len(prices)):
+        prices[k] = 0.0
+    for j in range(len(prices)):
+        if objective[j] != 0.0:
+            for k in range(len(prices)):
+                prices[k] += objective[j] * basis.inverse[j, k]
 
 
 @compiled
@@ -191,24 +199,30 @@ def simplified(normals: Array, vertices: Array, unit: float, goal: tuple[float, 
         goal: As in `Stop`: performance ratio, area gap [m2] and greatest number of edges.
     """
     count, some = len(normals), 0
-    distinct, middle = np.empty(count, dtype=np.int64), np.zeros(2)
+    distinct, x, y = np.empty(count, dtype=np.int64), 0.0, 0.0
     for k in range(count):
         following = (k + 1) % count
-        middle += vertices[k] / count
+        x, y = x + vertices[k, 0] / count, y + vertices[k, 1] / count
         turned = normals[k, 0] * normals[following, 1] - normals[k, 1] * normals[following, 0]
         if abs(turned) > SAME or normals[k, 0] * normals[following, 0] + normals[k, 1] * normals[following, 1] < 0:
             distinct[some] = k
             some += 1
-    distinct = distinct[:some]
-    offsets = np.empty(some)
+    lines, offsets = np.empty((some, 2)), np.empty(some)
     for at in range(some):
         k = distinct[at]
-        offsets[at] = normals[k, 0] * (vertices[k, 0] - middle[0]) + normals[k, 1] * (vertices[k, 1] - middle[1])
+        lines[at, 0], lines[at, 1] = normals[k, 0], normals[k, 1]
+        offsets[at] = normals[k, 0] * (vertices[k, 0] - x) + normals[k, 1] * (vertices[k, 1] - y)
     ratio, gap, budget = goal
     by_ratio, by_gap = area_of(vertices) * (1 / max(ratio, SMALLEST) - 1), gap / max(unit, SMALLEST)
-    keep, spent = worthy(normals[distinct], offsets, np.ones(some, dtype=np.bool_), budget, max(by_ratio, by_gap))
+    keep, spent = edges_worth_keeping(lines, offsets, np.ones(some, dtype=np.bool_), budget, max(by_ratio, by_gap))
+    why = BY_RATIO if by_ratio >= by_gap else BY_GAP
     if spent > max(by_ratio, by_gap):
-        return distinct[keep], 3
-    if spent <= NEGLIGIBLE * by_ratio:
-        return distinct[keep], 0
-    return distinct[keep], 1 if by_ratio >= by_gap else 2
+        why = BY_SEARCHES
+    elif spent <= NEGLIGIBLE_SHARE_OF_AREA * by_ratio:
+        why = EXACTLY
+    kept = 0
+    for at in range(some):
+        if keep[at]:
+            distinct[kept] = distinct[at]
+            kept += 1
+    return distinct[:kept], why

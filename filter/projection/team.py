@@ -4,270 +4,268 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
-from filter.geometry.convex import side_of_box
-from filter.geometry.polygons import Polygons, joined
-from filter.linear.constraints import WORLD, Constraints
+from filter.geometry.many import Polygons
+from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import Solver, name_of
-from filter.projection.budget import IsOver, never
-from filter.projection.claims import Contradiction, Outlined, Outlines, in_order
-from filter.projection.polygons_of import Stop, position
-from filter.projection.projector import EXACT, Failure, Projections, broken_row, project_all
-from filter.projection.shadow import REASONS
-from filter.projection.walk import PROVED, Task, Windowed, project_window
-from filter.projection.window import Boxes, Links, Window, box_around, links, members_of, rows_in
+from filter.projection.batch import Sheet, blank, project_some
+from filter.projection.claims import Hulls, Outlines, Weights, in_order
+from filter.projection.fallback import Failure, broken_row, interior, project_all
+from filter.projection.proved import Projection, position
+from filter.projection.stop import REASONS, IsOver, Stop, never
+from filter.projection.walk import Task
+from filter.projection.window import Links, Window, links, members_of_robot, rows_in
+from filter.workers import spread
 
-# So many windows at most are projected between two looks at the clock, and so many at least by a thread, or it is not worth it.
-TOGETHER, WORTH_A_THREAD = 64, 8
+# Windows with so many robots, all told, are projected between two looks at the clock; for fewer a thread would not be worth it.
+TOGETHER = 512
+WALK = "walk"  # what has failed, in a failure
 
 
-class Sheet(NamedTuple):
-    """What was found in some windows, end to end: the columns of `Outlines`.
+@dataclass(frozen=True, eq=False)
+class Outlined:
+    """What a projection of every robot, or of some pairs, gave.
 
     Attributes:
-        normals: (e, 2)
-        offsets: (e,) [m].
-        vertices: (e, 2) [m].
-        margin: (k,) [m].
-        first: (k + 1,) where the edges of each begin; one without edges was lost.
-        behind: (e,)
-        row: (m,) with room to spare at its end.
-        multiplier: (m,)
-        row_first: (e + 1,)
-        searches: (k,)
-        why: (k,) a place in `REASONS`.
+        outlines: (n) of all of them.
+        failures: Where walks and solvers failed.
+        contradiction: (r,) multipliers of the polytope's rows that prove that it is empty, or None. There are no outlines then.
     """
 
-    normals: Array
-    offsets: Array
-    vertices: Array
-    margin: Array
-    first: Integers
-    behind: Integers
-    row: Integers
-    multiplier: Array
-    row_first: Integers
-    searches: Integers
-    why: Integers
+    outlines: Outlines
+    failures: tuple[Failure, ...] = ()
+    contradiction: Array | None = None
 
 
-@compiled
-def project_some(i: Integers, j: Integers, task: Task) -> Sheet:
-    """Project the windows of some pairs i, j, or of robots j where i is WORLD."""
-    place = np.full(len(task.box[0]), -1)
-    return laid_out([project_window(i[k], j[k], task, place) for k in range(len(j))], i, j, task.box)
+@dataclass(frozen=True)
+class Projector:
+    """Projects a team's polytope onto its robots, and onto pairs of them.
 
-
-@compiled
-def laid_out(windows: list[Windowed], i: Integers, j: Integers, box: Boxes) -> Sheet:
-    """Return what was found in some windows, end to end."""
-    edges, claims = 0, 0
-    for one in windows:
-        edges += len(one.behind)
-        claims += one.rows.size + len(one.own)
-    sheet = Sheet(
-        np.empty((edges, 2)),
-        np.empty(edges),
-        np.empty((edges, 2)),
-        np.empty(len(windows)),
-        np.zeros(len(windows) + 1, dtype=np.int64),
-        np.empty(edges, dtype=np.int64),
-        np.empty(claims, dtype=np.int64),
-        np.empty(claims),
-        np.zeros(edges + 1, dtype=np.int64),
-        np.empty(len(windows), dtype=np.int64),
-        np.empty(len(windows), dtype=np.int64),
-    )
-    for k in range(len(windows)):
-        _lay(windows[k], sheet, k, box_around(i[k], j[k], box))
-    return sheet
-
-
-@compiled
-def _lay(one: Windowed, sheet: Sheet, k: int, box: tuple[Array, Array]) -> None:
-    """Add what was found in one window."""
-    at, searches = sheet.first[k], len(one.rows)
-    sheet.margin[k], sheet.searches[k], sheet.why[k] = one.margin, searches, one.why
-    for vertex, line in zip(one.vertices, one.behind):  # noqa: B905, as it is compiled
-        claim = sheet.row_first[at]
-        sheet.vertices[at] = vertex
-        if line < 0:
-            sheet.behind[at] = line
-            sheet.normals[at, 0], sheet.normals[at, 1], sheet.offsets[at] = side_of_box(line, box[0], box[1])
-        else:
-            sheet.normals[at], sheet.offsets[at] = one.lines[0][line], one.lines[1][line]
-            sheet.behind[at] = PROVED if line < searches else one.own[line - searches]
-        if line >= searches:
-            sheet.row[claim], sheet.multiplier[claim] = one.own[line - searches], 1.0
-            claim += 1
-        elif line >= 0:
-            for m in range(one.rows.shape[1]):
-                if one.rows[line, m] >= 0:
-                    sheet.row[claim], sheet.multiplier[claim] = one.rows[line, m], one.prices[line, m]
-                    claim += 1
-        at += 1
-        sheet.row_first[at] = claim
-    sheet.first[k + 1] = at
-
-
-def project_windows(
-    polytope: Polytope,
-    window: Window,
-    solvers: Sequence[Solver],
-    stop: Stop,
-    *,
-    order: Integers | None = None,
-    is_over: IsOver = never,
-    threads: int | None = None,
-) -> Outlined | Contradiction:
-    """Project every robot of the team in its own window; what is proved there holds in the whole team.
-
-    Nothing is known from inside: a point that the window allows may be impossible in the team.
-
-    Args:
-        polytope: The team's.
-        window: How far a window reaches.
-        solvers: What searches; the first may be "exact", for walks over the vertices.
+    Attributes:
+        window: From how much of the team a region is found.
         stop: When a projection is good enough.
-        order: (n,) who comes first; all robots once. None for the order of their numbers.
-        is_over: Whether time is up; the robots that are left keep what is known of them at a glance.
+        exact: Whether to walk over the vertices; otherwise solvers search.
+        solvers: They are asked in turn where a walk is lost, or from the first on.
         threads: How many windows at a time; None for as many as there are cores.
     """
-    robots = len(polytope.lower)
-    broken = broken_row(polytope.program()) if polytope.may_have_a_broken_row() else None
-    if broken is not None:
-        return Contradiction(broken)
-    who, order = links(polytope.constraints, robots), np.arange(robots) if order is None else order
-    pieces, left, failures = list[tuple[Integers, Outlines]](), order, list[Failure]()
-    if solvers[0] == EXACT:
-        walks = _Walks(np.full(robots, WORLD), order, _task(polytope, window, who, stop), is_over, threads)
-        pieces, left = [(order[walks.done], walks.outlines)], order[walks.left]
-    late = []
-    for robot in left.tolist():
-        if is_over():
-            late.append(robot)
-            continue
-        alone = _searched(polytope, who, robot, window, solvers, stop=stop)
-        if alone.contradiction is not None:
-            return Contradiction(alone.contradiction)
-        pieces.append((np.array([robot]), Outlines.of(polytope, np.array([robot]), alone.complete)))
-        failures += alone.failures
-    unrefined = np.array(late, dtype=np.int64)
-    pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), "time")))
-    return Outlined(in_order(pieces), tuple(failures))
+
+    window: Window
+    stop: Stop
+    exact: bool = True
+    solvers: tuple[Solver, ...] = ()
+    threads: int | None = None
+
+    def robots(self, polytope: Polytope, *, order: Integers | None = None, is_over: IsOver = never) -> Outlined:
+        """Project onto every robot, in its own window; what is proved there holds in the whole team.
+
+        Only in the window of everybody is anything known from inside: a point that another window allows may be impossible.
+
+        Args:
+            polytope: The team's.
+            order: (n,) who comes first; all robots once. None for the order of their numbers.
+            is_over: Whether time is up; the robots that are left keep what is known of them at a glance.
+        """
+        robots = len(polytope.lower)
+        broken = broken_row(polytope.program()) if polytope.may_have_a_broken_row() else None
+        if broken is not None:
+            return _empty(broken)
+        who, left = links(polytope.constraints, robots), np.arange(robots) if order is None else order
+        pieces, failures = list[tuple[Integers, Outlines]](), list[Failure]()
+        if self.exact:
+            walks = self._walked(polytope, np.full(robots, WORLD), left, who, is_over)
+            if walks.contradiction is not None:
+                return _empty(walks.contradiction)
+            pieces, left = [(left[walks.done], walks.outlines)], left[walks.left]
+        late = np.zeros(robots, dtype=bool)
+        for robot in left.tolist():
+            late[robot] = is_over()
+            if not late[robot]:
+                alone = self._searched(polytope, who, robot, is_over)
+                if alone.contradiction is not None:
+                    return alone
+                pieces.append((np.array([robot]), alone.outlines))
+                failures += alone.failures
+        unrefined = np.flatnonzero(late)
+        pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), len(polytope.constraints), "time")))
+        return self._with_the_inside(polytope, in_order(pieces), tuple(failures))
+
+    def pairs(self, polytope: Polytope, pairs: tuple[Integers, Integers], *, is_over: IsOver = never) -> Outlined:
+        """Project onto pairs, x_j - x_i, each in the window of the two; those lost or too late keep what their rows say.
+
+        Args:
+            polytope: The team's.
+            pairs: i and j (g) of each, i < j.
+            is_over: Whether time is up.
+        """
+        i, j = pairs
+        walks = self._walked(polytope, i, j, links(polytope.constraints, len(polytope.lower)), is_over)
+        glance = Outlines.at_a_glance(polytope.of(i[walks.left], j[walks.left]), len(polytope.constraints), "time")
+        outlines = in_order([(walks.done, walks.outlines), (walks.left, glance)])
+        return Outlined(outlines, tuple(Failure(int(k), (WALK,), None) for k in walks.lost))
+
+    def _walked(self, polytope: Polytope, i: Integers, j: Integers, who: Links, is_over: IsOver) -> _Walks:
+        """Walk the windows of pairs i, j (g), or of robots j where i is WORLD."""
+        window, rows = self.window, polytope.constraints
+        inside = window.leaves_nobody_out and bool((i == WORLD).all())
+        box = polytope.lower, polytope.upper
+        task = Task(window.hops, window.robots, inside, self.stop.goal, who, rows.rows, box)
+        begin, end = rows.groups(i, j)
+        size = max(1, TOGETHER // min(window.robots, len(polytope.lower)))
+        chunks = [slice(k, min(k + size, len(j))) for k in range(0, len(j), size)]
+
+        def walked(chunk: slice) -> tuple[Sheet, int] | None:
+            if is_over():
+                return None
+            sheet = blank((end - begin)[chunk], task)
+            return sheet, project_some(i[chunk], j[chunk], task, sheet)
+
+        workers = self.threads or os.cpu_count() or 1
+        alone = workers == 1 or len(chunks) <= 1
+        results = [walked(chunk) for chunk in chunks] if alone else spread(walked, chunks, workers)
+        return _Walks.of(chunks, results, len(rows))
+
+    def _searched(self, polytope: Polytope, who: Links, robot: int, is_over: IsOver) -> Outlined:
+        """Search one robot's window by the solvers."""
+        rows, place = polytope.constraints, np.full(len(polytope.lower), -1)
+        members = np.sort(members_of_robot(robot, self.window.hops, self.window.robots, who, place))
+        place[members] = np.arange(len(members))
+        number = rows_in(members, place, who)
+        few = rows.select(np.sort(number))
+        few = replace(few, i=np.where(few.i == WORLD, WORLD, place[few.i]), j=place[few.j])
+        program = Polytope(few, polytope.lower[members], polytope.upper[members]).program()
+        own = rows.rows_of(WORLD, robot)
+        known = rows.normal[own], rows.offset[own]
+        found = project_all(
+            program, [position(int(place[robot]), len(members))], [known], self.solvers, self.stop, is_over=is_over
+        )
+        if found.contradiction is not None:
+            multipliers = np.zeros(len(rows))
+            multipliers[np.sort(number)] = found.contradiction
+            return _empty(multipliers)
+        return Outlined(_outline(found.complete[0], own, np.sort(number)), self._named(robot, found.failures))
+
+    def _named(self, robot: int, failures: Sequence[Failure]) -> tuple[Failure, ...]:
+        """Return the failures in one robot's window, with that of the walk before."""
+        lost = (WALK,) if self.exact else ()
+        first = name_of(self.solvers[0]) if self.solvers else None
+        of_robot = next((each for each in failures if each.which is not None), Failure(0, (), first))
+        of_robot = Failure(robot, (*lost, *of_robot.failed), of_robot.used)
+        deepest = tuple(replace(each, which=robot) for each in failures if each.which is None)
+        return (*deepest, of_robot) if of_robot.failed else deepest
+
+    def _with_the_inside(self, polytope: Polytope, outlines: Outlines, failures: tuple[Failure, ...]) -> Outlined:
+        """Return what was found, with inner polygons only if the whole team is known to have a point inside.
+
+        A part of the team that has to do with nobody else can be empty on its own, by less than a walk can see: then no
+        robot of it has an inner point, and solvers are asked for the proof.
+        """
+        nothing = replace(outlines, inner=Hulls.none(len(outlines.outer)))
+        if not self.window.leaves_nobody_out or "time" in outlines.reasons:
+            return Outlined(nothing, failures)
+        if outlines.inner.known.all():
+            return Outlined(outlines, failures)
+        parts, part = _parts(polytope)
+        if not (np.bincount(part[outlines.inner.known], minlength=parts) == 0).any():
+            return Outlined(outlines, failures)
+        inside = interior(polytope.program(), self.solvers)
+        if inside.contradiction is not None:
+            return _empty(inside.contradiction)
+        return Outlined(nothing, (*failures, *inside.failures))
 
 
-def project_pairs(
-    polytope: Polytope,
-    pairs: tuple[Integers, Integers],
-    window: Window,
-    stop: Stop,
-    *,
-    is_over: IsOver = never,
-    threads: int | None = None,
-) -> Outlined:
-    """Project pairs, x_j - x_i, each in the window of the two; those that are lost or too late keep what their rows say.
-
-    Args:
-        polytope: The team's.
-        pairs: i and j (g) of each, i < j.
-        window: How far a window reaches.
-        stop: When a projection is good enough.
-        is_over: Whether time is up.
-        threads: How many windows at a time; None for as many as there are cores.
-    """
-    i, j = pairs
-    task = _task(polytope, window, links(polytope.constraints, len(polytope.lower)), stop)
-    walks = _Walks(i, j, task, is_over, threads)
-    glance = Outlines.at_a_glance(polytope.of(i[walks.left], j[walks.left]), "time")
-    outlines = in_order([(walks.done, walks.outlines), (walks.left, glance)])
-    return Outlined(outlines, tuple(Failure(int(k), (EXACT,), None) for k in walks.lost))
-
-
-def _task(polytope: Polytope, window: Window, who: Links, stop: Stop) -> Task:
-    goal = float(stop.performance_ratio), float(stop.area_gap), int(stop.searches)
-    return Task(window.hops, window.robots, who, polytope.constraints.columns, (polytope.lower, polytope.upper), goal)
-
-
+@dataclass(frozen=True, eq=False)
 class _Walks:
-    """The walks around (g) pairs i, j, or robots j where i is WORLD.
+    """The walks around some robots or pairs.
 
     Attributes:
         done: Whose time came.
         outlines: What was found of them; without edges where a walk was lost.
         lost: Whose walk was lost.
         left: Those that time ran out on, then those that were lost.
+        contradiction: (r,) multipliers that prove that the polytope is empty, or None.
     """
 
-    def __init__(self, i: Integers, j: Integers, task: Task, is_over: IsOver, threads: int | None) -> None:
-        workers = threads or os.cpu_count() or 1
-        size = min(TOGETHER, max(WORTH_A_THREAD, -(-len(j) // workers)))
-        chunks = [np.arange(k, min(k + size, len(j))) for k in range(0, len(j), size)]
+    done: Integers
+    outlines: Outlines
+    lost: Integers
+    left: Integers
+    contradiction: Array | None
 
-        def projected(chunk: Integers) -> Sheet | None:
-            return None if is_over() else project_some(i[chunk], j[chunk], task)
-
-        if workers == 1 or len(chunks) <= 1:
-            sheets = [projected(chunk) for chunk in chunks]
-        else:
-            with ThreadPoolExecutor(workers) as pool:
-                sheets = list(pool.map(projected, chunks))
+    @classmethod
+    def of(cls, chunks: Sequence[slice], results: Sequence[tuple[Sheet, int] | None], rows: int) -> _Walks:
+        """Return the results of chunks of walks, of a polytope of so many rows; None where time had run out."""
         nobody = np.zeros(0, dtype=np.int64)
-        done = [(chunk, sheet) for chunk, sheet in zip(chunks, sheets, strict=True) if sheet]
-        late = [chunk for chunk, sheet in zip(chunks, sheets, strict=True) if not sheet]
-        self.done = np.concatenate([nobody, *(chunk for chunk, _ in done)])
-        self.outlines = _outlines([project_some(nobody, nobody, task), *(sheet for _, sheet in done)])
-        self.lost = self.done[np.diff(self.outlines.outer.first) == 0]
-        self.left = np.concatenate([*late, self.lost])
+        done = np.concatenate([nobody, *(_every(chunk) for chunk, one in zip(chunks, results, strict=True) if one)])
+        late = np.concatenate([nobody, *(_every(chunk) for chunk, one in zip(chunks, results, strict=True) if not one)])
+        walked = [one for one in results if one]
+        contradiction = next((_spread_out(sheet, proof, rows) for sheet, proof in walked if proof), None)
+        outlines = _outlines([sheet for sheet, _ in walked]) if contradiction is None else _outlines([])
+        lost = done[np.diff(outlines.outer.first) == 0] if contradiction is None else nobody
+        return cls(done, outlines, lost, np.concatenate([late, lost]), contradiction)
+
+
+def _every(chunk: slice) -> Integers:
+    return np.arange(chunk.start, chunk.stop)
+
+
+def _spread_out(sheet: Sheet, proof: int, rows: int) -> Array:
+    """Return the proof of so many rows that a sheet begins with as multipliers of all rows."""
+    multipliers = np.zeros(rows)
+    multipliers[sheet.row[:proof]] = sheet.weight[:proof]
+    return multipliers
 
 
 def _outlines(sheets: Sequence[Sheet]) -> Outlines:
-    every = Sheet(*(np.concatenate(column) for column in zip(*sheets, strict=True)))
-    used = [sheet.row_first[-1] for sheet in sheets]  # the rest of row and multiplier is room to spare
-    row = np.concatenate([sheet.row[:count] for sheet, count in zip(sheets, used, strict=True)])
-    multiplier = np.concatenate([sheet.multiplier[:count] for sheet, count in zip(sheets, used, strict=True)])
-    first = joined([sheet.first for sheet in sheets])
-    row_first = joined([sheet.row_first for sheet in sheets])
-    outer = Polygons(every.normals, every.offsets, every.vertices, every.margin, first)
-    reasons, nothing = tuple(REASONS[why] for why in every.why.tolist()), (None,) * len(every.why)
-    return Outlines(outer, every.behind, row, multiplier, row_first, nothing, every.searches, reasons)
+    """Return what is on some sheets; the rest of their columns is room to spare."""
+    return Outlines.concatenate([_nothing(), *map(_of_sheet, sheets)])
 
 
-def _searched(
-    polytope: Polytope, who: Links, robot: int, window: Window, solvers: Sequence[Solver], *, stop: Stop
-) -> Projections:
-    """Project one robot's window by the solvers that are left when a walk is lost."""
-    rows, place = polytope.constraints, np.full(len(polytope.lower), -1)
-    members = np.sort(members_of(WORLD, robot, window.hops, window.robots, who.near, who.near_first, place))
-    place[members] = np.arange(len(members))
-    number = rows_in(members, place, who)
-    i = np.where(rows.i[number] == WORLD, WORLD, place[rows.i[number]])
-    few = Constraints(i, place[rows.j[number]], rows.normal[number], rows.offset[number], rows.source[number])
-    own = who.own[who.own_first[robot] : who.own_first[robot + 1]]
-    program = Polytope(few, polytope.lower[members], polytope.upper[members]).program()
-    plane, known = position(int(place[robot]), len(members)), (rows.normal[own], rows.offset[own])
-    left = solvers[1:] if solvers[0] == EXACT else solvers
-    alone = project_all(program, [plane], [known], left, stop)
-    lost = (EXACT,) if solvers[0] == EXACT else ()
-    failed = next((each for each in alone.failures if each.plane == 0), None)
-    failure = Failure(robot, (*lost, *(failed.failed if failed else ())), failed.used if failed else _first(left))
-    if alone.contradiction is not None:
-        contradiction = np.zeros(len(rows))
-        contradiction[number] = alone.contradiction
-        return Projections(contradiction=contradiction)
-    one = alone.complete[0]
-    one = replace(one, inner=None, weights=one.weights._replace(row=number[one.weights.row]))
-    deepest = tuple(replace(each, plane=robot) for each in alone.failures if each.plane is None)
-    return Projections((one,), (*deepest, failure) if failure.failed else deepest)
+def _of_sheet(sheet: Sheet) -> Outlines:
+    edges = sheet.first[-1]
+    claims, corners = sheet.row_first[edges], sheet.corner_first[-1]
+    normals, offsets, vertices = (column[:edges].copy() for column in (sheet.normals, sheet.offsets, sheet.vertices))
+    weights = Weights(sheet.row[:claims].copy(), sheet.weight[:claims].copy(), sheet.row_first[: edges + 1].copy())
+    inner = Hulls(sheet.corners[:corners].copy(), sheet.corner_first)
+    reasons = tuple(REASONS[why] for why in sheet.why.tolist())
+    return Outlines(Polygons(normals, offsets, vertices, sheet.margin, sheet.first), weights, inner, sheet.searches, reasons)
 
 
-def _first(solvers: Sequence[Solver]) -> str | None:
-    return name_of(solvers[0]) if solvers else None
+def _nothing() -> Outlines:
+    none = np.zeros(0, dtype=np.int64)
+    return Outlines(Polygons.of([]), Weights(none, np.zeros(0), np.zeros(1, dtype=np.int64)), Hulls.none(0), none, ())
+
+
+def _empty(multipliers: Array) -> Outlined:
+    return Outlined(_nothing(), (), multipliers)
+
+
+def _outline(found: Projection, own: Integers, number: Integers) -> Outlines:
+    """Return one robot's projection as an outline.
+
+    Args:
+        found: Of its window's program.
+        own: The rows on the robot alone, which have cut it.
+        number: (r,) which row of the team's polytope each row of the window's program is.
+    """
+    proofs = replace(found.weights, row=number[found.weights.row])
+    itself = Weights(own, np.ones(len(own)), np.arange(len(own) + 1))
+    sides = Weights(own[:0], np.zeros(0), np.zeros(5, dtype=np.int64))
+    weights = Weights.concatenate([proofs, itself, sides]).select(found.edges)
+    searches = np.array([found.searches])
+    return Outlines(Polygons.of([found.outer]), weights, Hulls.of([found.inner]), searches, (found.reason,))
+
+
+def _parts(polytope: Polytope) -> tuple[int, Integers]:
+    """Return how many parts the team has that have nothing to do with one another, and (n,) to which each robot belongs."""
+    rows, robots = polytope.constraints, len(polytope.lower)
+    pairs = rows.i != WORLD
+    ends = np.ones(int(pairs.sum())), (rows.i[pairs], rows.j[pairs])
+    count, part = connected_components(csr_array(ends, shape=(robots, robots)), directed=False)
+    return int(count), part

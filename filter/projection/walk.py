@@ -11,95 +11,19 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.geometry.convex import EPSILON, cut_box
-from filter.linear.constraints import Columns
-from filter.projection.shadow import BEYOND, LONGEST, LONGEST_EACH, SMALLEST, WORTHLESS, Trace, no_trace, simplified, turn
-from filter.projection.simplex import FOUND, become_feasible, corner, spread
-from filter.projection.window import Boxes, Links, Program, box_around, members_of, program_of, rows_in, rows_on
+from filter.geometry.convex import EPSILON, SMALLEST, clip_box, side_of_box
+from filter.linear.certify import Boxes, Members, certified
+from filter.linear.constraints import WORLD, Columns
+from filter.linear.implied import WORTHLESS
+from filter.projection.inside import inside_of
+from filter.projection.shadow import LONGEST, LONGEST_EACH, Trace, no_trace, simplified, turn
+from filter.projection.simplex import EMPTY, FOUND, LOST, Basis, become_feasible, combination, corner, spread
+from filter.projection.window import Links, WindowProgram, box_around, members_of, program_of, rows_in, rows_on
 
-PROVED = -5  # what is behind an edge that is proved from several rows
 # How far the first objective leads away from the plane that is projected onto.
 ASIDE = 0.01
-Members = tuple[Integers, Array, Array]  # the place of each robot (n,), centre and radius (v,) of the members' coordinates
-# What underflow can take from some hundred products.
-TINY = 1e-300
-
-
-class Windowed(NamedTuple):
-    """What was found in one window.
-
-    Attributes:
-        vertices: (e, 2) of the outer polygon; none when the walk was lost or the window is empty [m].
-        margin: The polygon's [m].
-        lines: Normals (l, 2) and certified offsets (l,) of the shadow's edges that were kept, and of the rows on the robot or
-            the pair [m].
-        behind: (e,) which of these lines each edge is; -4 to -1 for a side of the box.
-        own: The rows on the robot or the pair.
-        rows: (s, v) the rows that prove each edge of the shadow that was kept, -1 for none.
-        prices: (s, v) their multipliers.
-        why: What decided which edges were kept, a place in `REASONS`.
-    """
-
-    vertices: Array
-    margin: float
-    lines: tuple[Array, Array]
-    behind: Integers
-    own: Integers
-    rows: Integers
-    prices: Array
-    why: int
-
-
-@compiled
-def certified(i: int, j: int, normal: Array, prices: Array, number: Integers, members: Members, team: Columns) -> float:
-    """Return an offset that holds in exact arithmetic for a direction of a robot's or a pair's position [m].
-
-    The same bound as `LinearProgram.certified_bounds`, for prices >= 0 of a few rows.
-
-    Args:
-        i: A member, or WORLD.
-        j: A member.
-        normal: (2,).
-        prices: (p,) of the rows.
-        number: (p,) which constraints; -1 for none.
-        members: Where the members are.
-        team: i, j, normal and offset of all constraints.
-    """
-    (place, centre, radius), (first, second, normals, offsets) = members, team
-    residual, size = np.zeros(len(centre)), np.zeros(len(centre))
-    total, doubt, operations = 0.0, 0.0, 2 * (len(number) + len(centre) + 8) * EPSILON
-    along, reach = 0.0, 0.0
-    for side in range(2):
-        robot = j if side == 0 else i
-        if robot >= 0:
-            for m in range(2):
-                at = 2 * place[robot] + m
-                residual[at] = normal[m] if side == 0 else -normal[m]
-                size[at] = abs(normal[m])
-                along += residual[at] * centre[at]
-                reach += abs(residual[at] * centre[at])
-    for k in range(len(number)):
-        row, price = number[k], prices[k]
-        if row < 0 or not 0 < price < np.inf:
-            continue
-        slack, magnitude = offsets[row], abs(offsets[row])
-        for side in range(2):
-            robot = second[row] if side == 0 else first[row]
-            if robot >= 0:
-                for m in range(2):
-                    coefficient = normals[row, m] if side == 0 else -normals[row, m]
-                    at = 2 * place[robot] + m
-                    slack -= coefficient * centre[at]
-                    magnitude += abs(coefficient * centre[at])
-                    residual[at] -= price * coefficient
-                    size[at] += abs(price * coefficient)
-        total += price * slack
-        doubt += 16 * EPSILON * price * magnitude + operations * price * abs(slack)
-    for at in range(len(centre)):
-        total += abs(residual[at]) * radius[at]
-        doubt += operations * size[at] * radius[at]
-    doubt += 16 * EPSILON * (reach + abs(total))
-    return (along + total) + doubt * (1 + 1e-9) + TINY * (1 + radius.sum())
+# An edge that is certified this much beyond where it was found, relative to the box, shows that the walk went wrong.
+BEYOND = 1e-7
 
 
 class Task(NamedTuple):
@@ -108,18 +32,50 @@ class Task(NamedTuple):
     Attributes:
         hops: How far a window reaches.
         most: How many robots it may have.
+        inside: Whether inner polygons are wanted, too.
+        goal: As in `Stop`: performance ratio, area gap and greatest number of edges.
         who: Who has rows with whom.
         team: i, j, normal and offset of all constraints.
         box: Lower and upper corners (n, 2) of all robots.
-        goal: As in `Stop`: performance ratio, area gap and greatest number of edges.
     """
 
     hops: int
     most: int
+    inside: bool
+    goal: tuple[float, float, int]
     who: Links
     team: Columns
     box: Boxes
-    goal: tuple[float, float, int]
+
+
+class Windowed(NamedTuple):
+    """What was found in one window.
+
+    Attributes:
+        how: FOUND, or LOST, or EMPTY when that is proved of a robot's.
+        normals: (e, 2) of the outer polygon, which the rows on the robot or the pair have cut.
+        offsets: (e,) certified [m].
+        vertices: (e, 2) [m].
+        margin: The polygon's [m].
+        row: (m,) the rows that prove the edges, edge after edge; if the window is empty, those that prove that.
+        weight: (m,) their multipliers.
+        first: (e + 1,) where those of each edge begin.
+        searches: How many edges of the shadow were kept.
+        why: What decided that, a place in `REASONS`.
+        inside: (p, 2) corners of the inner polygon; none where nothing is known from inside [m].
+    """
+
+    how: int
+    normals: Array
+    offsets: Array
+    vertices: Array
+    margin: float
+    row: Integers
+    weight: Array
+    first: Integers
+    searches: int
+    why: int
+    inside: Array
 
 
 class Plane(NamedTuple):
@@ -140,12 +96,66 @@ class Plane(NamedTuple):
     far: float
 
 
+class Edges(NamedTuple):
+    """Edges of a shadow that were kept.
+
+    Attributes:
+        normals: (s, 2).
+        offsets: (s,) certified [m].
+        rows: (s, v) the rows that prove each, the number of all rows for none.
+        prices: (s, v) their multipliers.
+        why: What decided which were kept, a place in `REASONS`.
+    """
+
+    normals: Array
+    offsets: Array
+    rows: Integers
+    prices: Array
+    why: int
+
+
 @compiled
-def plane_of(program: Program, mutual: bool) -> Plane:
+def project_window(i: int, j: int, task: Task, place: Integers) -> Windowed:
+    """Project a window onto the position of robot j, or onto x_j - x_i where i is not WORLD.
+
+    Args:
+        i: A robot, or WORLD.
+        j: A robot.
+        task: The team.
+        place: (n,) scratch, all -1, and so again afterwards.
+    """
+    members, whole = members_of(i, j, task.hops, task.most, task.who, place)
+    numbers = rows_in(members, place, task.who)
+    program = program_of(members, place, numbers, task.team, task.box)
+    plane = plane_of(program, i != WORLD)
+    how, trace, basis, contradicted = walked(program, plane)
+    seen, where = vertices_of(trace, plane), (place, program.centre, program.radius)
+    nothing, inside = np.empty((0, 2)), np.empty((0, 2))
+    row, weight, first = np.empty(0, dtype=np.int64), np.empty(0), np.zeros(1, dtype=np.int64)
+    normals, offsets, outline, margin, searches, why = nothing, np.empty(0), nothing, 0.0, 0, 0
+    if how == EMPTY:
+        row, weight = contradiction(program, basis, contradicted)
+        proved = i == WORLD and certified(i, j, np.zeros(2), weight, row, where, task.team) < 0
+        how = EMPTY if proved else LOST
+    if how == FOUND:
+        how, edges = edges_of(i, j, program, plane, trace, seen, where, task)
+        if how == FOUND:
+            normals, offsets, outline, margin, row, weight, first = outline_of(i, j, edges, task)
+            searches, why = len(edges.offsets), edges.why
+            if task.inside and whole:
+                inside = inside_of(program, (trace, basis, plane.right), seen, numbers, (members, place, task.box), task.team)
+    for member in members:
+        place[member] = -1
+    return Windowed(how, normals, offsets, outline, margin, row, weight, first, searches, why, inside)
+
+
+@compiled
+def plane_of(program: WindowProgram, mutual: bool) -> Plane:
     """Return the plane of the first member, or of the pair of the first two."""
     variables, size, middle = len(program.centre), np.empty(2), np.empty(2)
-    axes, far = np.zeros((2, variables)), np.abs(program.centre[: 4 if mutual else 2]).sum()
+    axes, far = np.zeros((2, variables)), 0.0
     for m in range(2):
+        far += abs(program.centre[m]) + (abs(program.centre[2 + m]) if mutual else 0.0)
         second = program.radius[2 + m] if mutual else 0.0
         size[m], middle[m] = program.radius[m] + second, program.centre[m]
         if size[m] > 0:
@@ -157,24 +167,27 @@ def plane_of(program: Program, mutual: bool) -> Plane:
 
 
 @compiled
-def walked(program: Program, plane: Plane) -> tuple[bool, Trace]:
-    """Return whether a walk around the shadow on a plane came through, and what it saw."""
+def walked(program: WindowProgram, plane: Plane) -> tuple[int, Trace, Basis, int]:
+    """Walk to a vertex, and then around the shadow; return how that ended, what was seen, and a row that cannot be satisfied.
+
+    The first objective leads to the plane's right, and a little aside in every variable, so that nothing is parallel.
+    """
     variables = len(program.centre)
     start, prices = np.empty(variables), np.empty(variables)
-    for k in range(variables):  # near the direction that the walk begins in, yet along no axis
+    for k in range(variables):
         ahead = plane.right[k] if plane.right[k] != 0 else ASIDE * (1.0 - 2.0 * (k % 2))
         start[k] = (0.5 + 0.5 * spread(k + 1)) * ahead
         prices[k] = abs(start[k])
     basis, nothing, trace = corner(program.rows, start), no_trace(0, variables), no_trace(LONGEST, variables)
     limit = LONGEST + LONGEST_EACH * variables
-    how, _ = become_feasible(program.rows, basis, prices, limit)
-    found = (
-        how == FOUND
-        and turn(program.rows, basis, start, plane.right, np.pi / 2, nothing, limit) == FOUND
+    how, contradicted = become_feasible(program.rows, basis, prices, limit)
+    if how == FOUND and not (
+        turn(program.rows, basis, start, plane.right, np.pi / 2, nothing, limit) == FOUND
         and turn(program.rows, basis, plane.right, plane.up, 2 * np.pi, trace, limit) == FOUND
         and trace.filled[0] < LONGEST
-    )
-    return found, trace
+    ):
+        how = LOST
+    return how, trace, basis, contradicted
 
 
 @compiled
@@ -189,7 +202,42 @@ def vertices_of(trace: Trace, plane: Plane) -> Array:
 
 
 @compiled
-def edge_of(program: Program, plane: Plane, trace: Trace, k: int, rows: Integers, prices: Array) -> tuple[float, float]:
+def contradiction(program: WindowProgram, basis: Basis, contradicted: int) -> tuple[Integers, Array]:
+    """Return constraints and weights that say: the contradicted row and the basic ones exclude one another."""
+    count, found = len(program.number), 0
+    shares = np.empty(len(basis.basic))
+    combination(program.rows, basis, contradicted, shares)
+    row, weight = np.empty(len(shares) + 1, dtype=np.int64), np.empty(len(shares) + 1)
+    for k in range(len(shares) + 1):
+        number = basis.basic[k] if k < len(shares) else contradicted
+        share = -shares[k] if k < len(shares) else 1.0
+        if number < count and share > 0:
+            row[found], weight[found] = program.number[number], share / program.size[number]
+            found += 1
+    return row[:found].copy(), weight[:found].copy()
+
+
+@compiled
+def edges_of(
+    i: int, j: int, program: WindowProgram, plane: Plane, trace: Trace, seen: Array, where: Members, task: Task
+) -> tuple[int, Edges]:
+    """Return whether the walk went well, FOUND or LOST, and the edges of its shadow that matter, proved."""
+    count, variables = trace.filled[0], len(program.centre)
+    kept, why = simplified(trace.normal[:count], seen, plane.size[0] * plane.size[1], task.goal)
+    normals, offsets = np.empty((len(kept), 2)), np.empty(len(kept))
+    rows, prices = np.full((len(kept), variables), len(task.team[3])), np.zeros((len(kept), variables))
+    how = FOUND
+    for at in range(len(kept)):
+        normals[at, 0], normals[at, 1] = edge_of(program, plane, trace, kept[at], rows[at], prices[at])
+        offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
+        # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
+        if i == WORLD and not is_tight(plane, seen[kept[at]], normals[at], offsets[at]):
+            how = LOST
+    return how, Edges(normals, offsets, rows, prices, why)
+
+
+@compiled
+def edge_of(program: WindowProgram, plane: Plane, trace: Trace, k: int, rows: Integers, prices: Array) -> tuple[float, float]:
     """Return the normal of one of a walk's edges, and write which constraints prove it, with which multipliers."""
     x = trace.normal[k, 0] / (plane.size[0] if plane.size[0] > 0 else 1.0)
     y = trace.normal[k, 1] / (plane.size[1] if plane.size[1] > 0 else 1.0)
@@ -212,37 +260,34 @@ def is_tight(plane: Plane, vertex: Array, normal: Array, offset: float) -> bool:
 
 
 @compiled
-def project_window(i: int, j: int, task: Task, place: Integers) -> Windowed:
-    """Project a window onto the position of robot j, or onto x_j - x_i where i is not WORLD.
-
-    Args:
-        i: A robot, or WORLD.
-        j: A robot.
-        task: The team.
-        place: (n,) scratch, all -1, and so again afterwards.
-    """
-    who = task.who
-    members = members_of(i, j, task.hops, task.most, who.near, who.near_first, place)
-    program = program_of(members, place, rows_in(members, place, who), task.team, task.box)
-    plane = plane_of(program, i >= 0)
-    found, trace = walked(program, plane)
-    kept, why, vertices = np.empty(0, dtype=np.int64), 0, vertices_of(trace, plane)
-    if found:
-        count = trace.filled[0]
-        kept, why = simplified(trace.normal[:count], vertices, plane.size[0] * plane.size[1], task.goal)
-    normals, offsets = np.empty((len(kept), 2)), np.empty(len(kept))
-    rows, prices = np.full((len(kept), len(program.centre)), -1), np.zeros((len(kept), len(program.centre)))
-    for at in range(len(kept)):
-        normals[at] = edge_of(program, plane, trace, kept[at], rows[at], prices[at])
-        where = place, program.centre, program.radius
-        offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
-        # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
-        found = found and (i >= 0 or is_tight(plane, vertices[kept[at]], normals[at], offsets[at]))
-    for member in members:
-        place[member] = -1
-    own, box = rows_on(i, j, who), box_around(i, j, task.box)
-    lines = np.concatenate((normals, task.team[2][own])), np.concatenate((offsets, task.team[3][own]))
-    outline, behind, margin = np.empty((0, 2)), np.empty(0, dtype=np.int64), 0.0
-    if found:
-        outline, behind, margin = cut_box(lines[0], lines[1], box[0], box[1])
-    return Windowed(outline, margin, lines, behind, own, rows, prices, why)
+def outline_of(i: int, j: int, edges: Edges, task: Task) -> tuple[Array, Array, Array, float, Integers, Array, Integers]:
+    """Return the polygon that edges and the robot's or the pair's own rows leave of its box, as in `Windowed`."""
+    begin, end = rows_on(i, j, task.who)
+    lower, upper = box_around(i, j, task.box)
+    searches = len(edges.offsets)
+    normals, offsets = np.empty((searches + end - begin, 2)), np.empty(searches + end - begin)
+    for line in range(len(offsets)):
+        own = begin + line - searches
+        for m in range(2):
+            normals[line, m] = edges.normals[line, m] if line < searches else task.team[2][own, m]
+        offsets[line] = edges.offsets[line] if line < searches else task.team[3][own]
+    vertices, behind, margin = clip_box(normals, offsets, lower, upper)
+    outward, reach, first = np.empty((len(behind), 2)), np.empty(len(behind)), np.zeros(len(behind) + 1, dtype=np.int64)
+    most = edges.rows.size + end - begin
+    row, weight, count = np.empty(most, dtype=np.int64), np.empty(most), 0
+    for k in range(len(behind)):
+        line = behind[k]
+        if line >= len(offsets):
+            outward[k, 0], outward[k, 1], reach[k] = side_of_box(line - len(offsets), lower, upper)
+        else:
+            outward[k, 0], outward[k, 1], reach[k] = normals[line, 0], normals[line, 1], offsets[line]
+        if line < searches:
+            for m in range(edges.rows.shape[1]):
+                if edges.rows[line, m] < len(task.team[3]):
+                    row[count], weight[count] = edges.rows[line, m], edges.prices[line, m]
+                    count += 1
+        elif line < len(offsets):
+            row[count], weight[count] = begin + line - searches, 1.0
+            count += 1
+        first[k + 1] = count
+    return outward, reach, vertices, margin, row[:count].copy(), weight[:count].copy(), first

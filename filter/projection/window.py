@@ -1,4 +1,4 @@
-"""Windows: the sub-team of the robots near one, and its program, compiled.
+"""Windows: the sub-team of the robots near one, and its program, compiled. The whole team is the widest.
 
 Leaving rows out is sound: a region in a window contains the region in the whole team. What a window needs is what
 a robot of a distributed team would hear over its radio from those it has measured, or that have measured it: their boxes
@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, whole
+from filter.arrays import Array, Integers, settle, whole_number
 from filter.compiled import compiled
-from filter.geometry.convex import EPSILON
+from filter.linear.certify import Boxes, members_at
 from filter.linear.constraints import WORLD, Columns, Constraints
 from filter.projection.simplex import OUTWARD, Rows, spread
 
-Boxes = tuple[Array, Array]  # lower and upper corners (n, 2) of all robots
+EVERYBODY = 2**31  # more hops, and more robots, than any team has
 
 
 @dataclass(frozen=True)
@@ -30,33 +30,39 @@ class Window:
         robots: How many robots a window may have, from 2 on; the nearest in hops come first.
 
     Raises:
-        InvalidInput: A number is too small.
+        InvalidInput: A number is too small, or not whole.
     """
 
     hops: int = 1
     robots: int = 12
 
     def __post_init__(self) -> None:
-        whole("hops of a window", self.hops, low=1)
-        whole("robots of a window", self.robots, low=2)
+        hops, robots = whole_number("hops of a window", self.hops, 1), whole_number("robots of a window", self.robots, 2)
+        settle(self, hops=hops, robots=robots)
+
+    @classmethod
+    def everybody(cls) -> Window:
+        """Return the window of all that has to do with a robot, however far away: nothing is left out."""
+        return cls(EVERYBODY, EVERYBODY)
+
+    @property
+    def leaves_nobody_out(self) -> bool:
+        """Whether it is the window of everybody."""
+        return self.hops == EVERYBODY and self.robots == EVERYBODY
 
 
 class Links(NamedTuple):
-    """Who has rows with whom, as lists laid end to end: those of robot k are at first[k] to first[k + 1].
+    """Which rows are on whom, and who has rows with whom, as lists laid end to end.
 
     Attributes:
-        own: (r,) the rows on each robot alone.
-        own_first: (n + 1,)
-        pair: (q,) the rows on each pair.
-        pair_first: (p + 1,)
+        own_first: (n + 1,) where the rows on each robot alone begin.
+        pair_first: (p + 1,) where the rows on each pair begin.
         near: (2 p,) the robots that share a pair with each robot.
         near_pair: (2 p,) that pair.
-        near_first: (n + 1,)
+        near_first: (n + 1,) where those of each robot begin.
     """
 
-    own: Integers
     own_first: Integers
-    pair: Integers
     pair_first: Integers
     near: Integers
     near_pair: Integers
@@ -64,29 +70,19 @@ class Links(NamedTuple):
 
 
 def links(rows: Constraints, robots: int) -> Links:
-    """Return who has rows with whom."""
-    keys = (rows.i + 1) * robots + rows.j
-    order = np.argsort(keys, kind="stable")
-    alone = int(np.count_nonzero(rows.i == WORLD))
-    own, pair = order[:alone], order[alone:]
-    pairs, first = np.unique(keys[pair], return_index=True)
-    i, j = pairs // robots - 1, pairs % robots
-    one, other, which = np.concatenate([i, j]), np.concatenate([j, i]), np.tile(np.arange(len(pairs)), 2)
-    nearby = np.lexsort((other, one))
+    """Return which rows are on whom."""
+    i, j, first = rows.grouped()
+    alone = int(np.searchsorted(i, WORLD, side="right"))
     every = np.arange(robots + 1)
-    return Links(
-        own,
-        np.searchsorted(rows.j[own], every),
-        pair,
-        np.append(first, len(pair)),
-        other[nearby],
-        which[nearby],
-        np.searchsorted(one[nearby], every),
-    )
+    own_first = first[np.searchsorted(j[:alone], every)]
+    i, j = i[alone:], j[alone:]
+    one, other, which = np.concatenate([i, j]), np.concatenate([j, i]), np.tile(np.arange(len(i)), 2)
+    nearby = np.lexsort((other, one))
+    return Links(own_first, first[alone:], other[nearby], which[nearby], np.searchsorted(one[nearby], every))
 
 
 @compiled
-def members_of(i: int, j: int, hops: int, most: int, near: Integers, near_first: Integers, place: Integers) -> Integers:
+def members_of(i: int, j: int, hops: int, most: int, who: Links, place: Integers) -> tuple[Integers, bool]:
     """Return robot j, robot i if it is not WORLD, and those at most so many pairs away from them, the nearest first.
 
     Args:
@@ -94,41 +90,55 @@ def members_of(i: int, j: int, hops: int, most: int, near: Integers, near_first:
         j: The first member.
         hops: How far the window reaches.
         most: How many members it may have, from 2 on.
-        near: As in `Links`.
-        near_first: As in `Links`.
+        who: Who has rows with whom.
         place: (n,) scratch, all -1; afterwards the place of each member.
+
+    Returns:
+        The members, and whether nobody who has to do with them is left out.
     """
-    members = np.empty(most, dtype=np.int64)
+    members = np.empty(min(most, len(place)), dtype=np.int64)
     members[0], place[j], count, begin = j, 0, 1, 0
-    if i >= 0:
+    if i != WORLD:
         members[1], place[i], count = i, 1, 2
+    missed = False
     for _ in range(hops):
         end = count
         for at in range(begin, end):
-            for k in range(near_first[members[at]], near_first[members[at] + 1]):
-                if place[near[k]] < 0 and count < most:
-                    members[count], place[near[k]] = near[k], count
-                    count += 1
+            for k in range(who.near_first[members[at]], who.near_first[members[at] + 1]):
+                if place[who.near[k]] < 0:
+                    if count < len(members):
+                        members[count], place[who.near[k]] = who.near[k], count
+                        count += 1
+                    else:
+                        missed = True
         begin = end
-    return members[:count].copy()
+        if end == count:
+            return members[:count].copy(), not missed
+    return members[:count].copy(), False
 
 
 @compiled
-def rows_on(i: int, j: int, who: Links) -> Integers:
-    """Return the rows on robot j alone where i is WORLD, or those on the pair i, j."""
-    if i < 0:
-        return who.own[who.own_first[j] : who.own_first[j + 1]]
+def members_of_robot(robot: int, hops: int, most: int, who: Links, place: Integers) -> Integers:
+    """Return the members of one robot's window, as `members_of` does."""
+    return members_of(WORLD, robot, hops, most, who, place)[0]
+
+
+@compiled
+def rows_on(i: int, j: int, who: Links) -> tuple[int, int]:
+    """Return where the rows on robot j alone, if i is WORLD, or those on the pair i, j begin and end."""
+    if i == WORLD:
+        return who.own_first[j], who.own_first[j + 1]
     for k in range(who.near_first[j], who.near_first[j + 1]):
         if who.near[k] == i:
-            return who.pair[who.pair_first[who.near_pair[k]] : who.pair_first[who.near_pair[k] + 1]]
-    return who.pair[:0]
+            return who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1]
+    return 0, 0
 
 
 @compiled
 def box_around(i: int, j: int, box: Boxes) -> Boxes:
     """Return lower and upper corner (2,) of robot j's box, or of a box around x_j - x_i where i is not WORLD [m]."""
     lower, upper = box[0][j].copy(), box[1][j].copy()
-    if i >= 0:
+    if i != WORLD:
         for m in range(2):
             lower[m] = np.nextafter(lower[m] - box[1][i, m], -np.inf)
             upper[m] = np.nextafter(upper[m] - box[0][i, m], np.inf)
@@ -138,26 +148,26 @@ def box_around(i: int, j: int, box: Boxes) -> Boxes:
 @compiled
 def rows_in(members: Integers, place: Integers, who: Links) -> Integers:
     """Return the rows on the members alone and on pairs of members."""
-    total = 0
-    for a in members:
-        total += who.own_first[a + 1] - who.own_first[a]
-        for k in range(who.near_first[a], who.near_first[a + 1]):
-            if who.near[k] > a and place[who.near[k]] >= 0:
-                total += who.pair_first[who.near_pair[k] + 1] - who.pair_first[who.near_pair[k]]
-    rows, at = np.empty(total, dtype=np.int64), 0
-    for a in members:
-        for q in range(who.own_first[a], who.own_first[a + 1]):
-            rows[at] = who.own[q]
-            at += 1
-        for k in range(who.near_first[a], who.near_first[a + 1]):
-            if who.near[k] > a and place[who.near[k]] >= 0:
-                for q in range(who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1]):
-                    rows[at] = who.pair[q]
-                    at += 1
+    rows, total = np.empty(0, dtype=np.int64), 0
+    for write in range(2):  # first they are counted
+        total = 0
+        for a in members:
+            for row in range(who.own_first[a], who.own_first[a + 1]):
+                if write:
+                    rows[total] = row
+                total += 1
+            for k in range(who.near_first[a], who.near_first[a + 1]):
+                if who.near[k] > a and place[who.near[k]] >= 0:
+                    for row in range(who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1]):
+                        if write:
+                            rows[total] = row
+                        total += 1
+        if not write:
+            rows = np.empty(total, dtype=np.int64)
     return rows
 
 
-class Program(NamedTuple):
+class WindowProgram(NamedTuple):
     """A window's program: maximise over z, every coordinate in the radius of its box, and every row of size 1.
 
     Attributes:
@@ -176,15 +186,7 @@ class Program(NamedTuple):
 
 
 @compiled
-def middle_and_reach(low: float, high: float) -> tuple[float, float]:
-    """Return the middle of an interval and how far it reaches from there, rounded up."""
-    middle = (low + high) / 2
-    reach = max(high - middle, middle - low)
-    return middle, reach * (1 + 4 * EPSILON) if reach > 0 else 0.0
-
-
-@compiled
-def program_of(members: Integers, place: Integers, number: Integers, team: Columns, box: Boxes) -> Program:
+def program_of(members: Integers, place: Integers, number: Integers, team: Columns, box: Boxes) -> WindowProgram:
     """Return the program of some rows on the members.
 
     Args:
@@ -196,10 +198,7 @@ def program_of(members: Integers, place: Integers, number: Integers, team: Colum
     """
     i, j, normal, offset = team
     variables = 2 * len(members)
-    centre, radius = np.empty(variables), np.empty(variables)
-    for k in range(len(members)):
-        for m in range(2):
-            centre[2 * k + m], radius[2 * k + m] = middle_and_reach(box[0][members[k], m], box[1][members[k], m])
+    _, centre, radius = members_at(members, place, box)
     column, value = np.zeros((len(number) + 2 * variables, 4), dtype=np.int64), np.zeros((len(number) + 2 * variables, 4))
     limit, size, live, count = np.empty(len(number) + 2 * variables), np.empty(len(number)), np.empty_like(number), 0
     for row in number:
@@ -209,7 +208,7 @@ def program_of(members: Integers, place: Integers, number: Integers, team: Colum
             for m in range(2):
                 at = 2 * side + m
                 column[count, at], value[count, at] = 0, 0.0
-                if robot >= 0:
+                if robot != WORLD:
                     coefficient = normal[row, m] if side == 0 else -normal[row, m]
                     variable = 2 * place[robot] + m
                     slack -= coefficient * centre[variable]
@@ -225,10 +224,5 @@ def program_of(members: Integers, place: Integers, number: Integers, team: Colum
         column[count + k, 0], value[count + k, 0] = k % variables, 1.0 if k < variables else -1.0
         limit[count + k] = 1.0 + OUTWARD * (1 + spread(k))
     end = count + 2 * variables
-    return Program(
-        Rows(column[:end].copy(), value[:end].copy(), limit[:end].copy()),
-        live[:count].copy(),
-        size[:count].copy(),
-        centre,
-        radius,
-    )
+    rows = Rows(column[:end].copy(), value[:end].copy(), limit[:end].copy())
+    return WindowProgram(rows, live[:count].copy(), size[:count].copy(), centre, radius)

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from filter.arrays import Array
+from filter.linear.sources import Source
 from filter.robust.belief import Disagreement, Restarted, RobustBelief, RobustEvent
 from filter.robust.hypotheses import AGREED, EARLIER, Hypotheses
 from filter.robust.votes import Poll, Rules
-from filter.sets.belief import Source
 
 
 def without_those_who_left(belief: RobustBelief, rules: Rules, cells: int, anywhere: Array) -> RobustBelief:

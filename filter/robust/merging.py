@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from filter.arrays import Array, Mask
+from filter.linear.sources import Source
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.camera_filter import Estimating
 from filter.robust.cameras import Alignment, Offsets
@@ -24,7 +25,7 @@ from filter.robust.sightings import Sightings
 from filter.robust.slices import COUNT, seen_from
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Poll, Rules
-from filter.sets.belief import Rejected, Source
+from filter.sets.events import Rejected
 from filter.team import Team
 
 

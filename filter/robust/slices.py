@@ -15,8 +15,9 @@ import numpy as np
 
 from filter.arrays import Array, Integers, Mask
 from filter.compiled import compiled
-from filter.geometry.angles import ROUNDING
-from filter.geometry.convex import EPSILON, cut_box, span_of
+from filter.geometry.angles import ANGLE_ROUNDING
+from filter.geometry.convex import EPSILON, clip_box, span_of
+from filter.geometry.sector import WIDEST, far_and_near, sides, trapezoid
 
 COUNT = 24  # directions; 15 degrees between two cost 1 to 2 % of a polygon's area
 QUARTER = COUNT // 4
@@ -30,9 +31,7 @@ def _directions() -> Array:
 
 
 DIRECTIONS = _directions()
-# A sector wider than this, almost a half-plane, says nothing that the disc does not say [rad].
-WIDEST = 1.5
-TANGENT_SPACING = np.pi / 12  # [rad]
+TANGENT_ANGLE = np.pi / 12  # between two tangents of the far side of a sector [rad]
 HAIR = 1e-6  # of a cell
 
 
@@ -50,11 +49,13 @@ def sector_supports(centre: float, bound: float, nearest: float, farthest: float
     supports = np.full(COUNT, outward)
     if bound >= WIDEST:
         return supports
-    x, y, slope = np.cos(centre), np.sin(centre), np.tan(bound)
-    near, rounding = nearest * np.cos(bound), 64 * EPSILON * (1 + slope) * farthest
+    corners = trapezoid(centre, bound, nearest, farthest)
+    rounding = 64 * EPSILON * (1 + np.tan(bound)) * farthest
     for m in range(COUNT):
-        side = DIRECTIONS[m, 0] * x + DIRECTIONS[m, 1] * y + slope * abs(DIRECTIONS[m, 1] * x - DIRECTIONS[m, 0] * y)
-        supports[m] = min(outward, (side * farthest if side > 0 else side * near) + rounding)
+        reach = -np.inf
+        for k in range(4):
+            reach = max(reach, DIRECTIONS[m, 0] * corners[k, 0] + DIRECTIONS[m, 1] * corners[k, 1])
+        supports[m] = min(outward, reach + rounding)
     return supports
 
 
@@ -71,7 +72,7 @@ def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, as
         aside: (2,) bound of the motion's direction [rad], radius of the disc of slip [m].
     """
     bend = min(np.pi / 2, max(abs(turn[0]), abs(turn[1])) / 2 + aside[0])
-    wide = (turn[1] - turn[0]) / 4 + aside[0] + ROUNDING
+    wide = (turn[1] - turn[0]) / 4 + aside[0] + ANGLE_ROUNDING
     if max(abs(turn[0]), abs(turn[1])) >= 2 * np.pi:
         wide = np.pi  # the way back can be the shortest
     chord = np.cos(bend)
@@ -85,8 +86,8 @@ def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, as
                 step = np.maximum(step, sector_supports(centre, bound, 0.0, distance[1]))
         for m in range(COUNT):
             reach[k, m] += step[m] + aside[1] + 4 * EPSILON * abs(reach[k, m])
-        low[k] += turn[0] - ROUNDING * (1 + abs(low[k]))
-        high[k] += turn[1] + ROUNDING * (1 + abs(high[k]))
+        low[k] += turn[0] - ANGLE_ROUNDING * (1 + abs(low[k]))
+        high[k] += turn[1] + ANGLE_ROUNDING * (1 + abs(high[k]))
 
 
 @compiled
@@ -105,7 +106,7 @@ def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]
     upper = np.array([reach[0], reach[QUARTER]])
     if lower[0] > upper[0] or lower[1] > upper[1]:
         return np.empty((0, 2)), 0.0
-    vertices, _, margin = cut_box(np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets)), lower, upper)
+    vertices, _, margin = clip_box(np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets)), lower, upper)
     for m in range(COUNT if len(vertices) else 0):
         farthest = -np.inf
         for k in range(len(vertices)):
@@ -122,7 +123,7 @@ def _narrow(low: Array, high: Array, k: int, centre: float, bound: float) -> boo
         return True
     offset = centre - middle
     offset -= 2 * np.pi * np.round(offset / (2 * np.pi))
-    slack = ROUNDING * (1 + abs(centre) + abs(middle))
+    slack = ANGLE_ROUNDING * (1 + abs(centre) + abs(middle))
     low[k], high[k] = max(low[k], middle + offset - bound - slack), min(high[k], middle + offset + bound + slack)
     return low[k] <= high[k]
 
@@ -138,26 +139,15 @@ def narrow(low: Array, high: Array, centre: float, bound: float) -> Mask:
 
 @compiled
 def _sector_rows(place: Array, centre: float, bound: float, nearest: float, farthest: float) -> tuple[Array, Array]:
-    """Return half-planes around all x from which a place is in a sector: tangents of its far side, sides, near chord."""
-    tangents = max(1, int(np.ceil(2 * min(bound, np.pi) / TANGENT_SPACING)))
-    sector = bound < WIDEST
-    angles = np.empty(tangents + 3)
-    shifts = np.empty(tangents + 3)
-    for k in range(tangents):
-        angles[k] = centre + min(bound, np.pi) * ((2 * k + 1) / tangents - 1) + np.pi
-        shifts[k] = farthest
-    count = tangents
-    if sector:
-        angles[count], shifts[count] = centre - bound + np.pi / 2, 0.0
-        angles[count + 1], shifts[count + 1] = centre + bound - np.pi / 2, 0.0
-        angles[count + 2], shifts[count + 2] = centre, -nearest * np.cos(bound)
-        count += 3
-    normals, offsets = np.empty((count, 2)), np.empty(count)
-    for k in range(count):
-        normals[k, 0], normals[k, 1] = np.cos(angles[k]), np.sin(angles[k])
-        rounding = 64 * EPSILON * (abs(place[0]) + abs(place[1]) + farthest)
-        offsets[k] = normals[k, 0] * place[0] + normals[k, 1] * place[1] + shifts[k] + rounding
-    return normals, offsets
+    """Return half-planes around all x from which a place is in a sector: with d = place - x in it."""
+    wide = min(bound, np.pi)
+    around, reach = far_and_near(centre, wide, nearest, farthest, TANGENT_ANGLE)
+    beside = sides(centre, wide) if wide < np.pi / 2 else np.empty((0, 2))
+    normals, shifts = -np.concatenate((around, beside)), np.concatenate((reach, np.zeros(len(beside))))
+    rounding = 64 * EPSILON * (abs(place[0]) + abs(place[1]) + farthest)
+    for k in range(len(normals)):
+        shifts[k] += normals[k, 0] * place[0] + normals[k, 1] * place[1] + rounding
+    return normals, shifts
 
 
 @compiled
@@ -173,7 +163,7 @@ def see_place(low: Array, high: Array, reach: Array, place: Array, sector: Array
     """
     left = np.ones(len(low), dtype=np.bool_)
     for k in range(len(low)):
-        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
         normals, offsets = _sector_rows(place, centre, bound, sector[2], sector[3])
         vertices, margin = tighten(reach[k], normals, offsets)
         left[k] = len(vertices) > 0
@@ -193,7 +183,7 @@ def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) 
     rows, bare = np.empty((0, 2)), np.empty(0)
     apart = np.empty(COUNT)
     for k in range(len(low)):
-        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
         supports = sector_supports(centre + np.pi, bound, sector[2], sector[3])
         for m in range(COUNT):
             reach[k, m] = min(reach[k, m], body[m] + supports[m] + 4 * EPSILON * abs(body[m]))
@@ -213,7 +203,7 @@ def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
     """Return (COUNT,) supports around every place that is in the sector of a pose of these slices [m]."""
     farthest = np.full(COUNT, -np.inf)
     for k in range(len(low)):
-        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ROUNDING
+        centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
         supports = sector_supports(centre, bound, sector[2], sector[3])
         for m in range(COUNT):
             farthest[m] = max(farthest[m], reach[k, m] + supports[m] + 4 * EPSILON * abs(reach[k, m]))
@@ -254,7 +244,7 @@ def regrid(group: Integers, low: Array, high: Array, reach: Array, grid: tuple[A
         for cell in range(begin, end + 1):
             m, g = cell % cells, group[k]
             away = turn * ((cell - m) // cells)
-            slack = ROUNDING * (1 + abs(away))
+            slack = ANGLE_ROUNDING * (1 + abs(away))
             first[g, m] = min(first[g, m], (low[k] if cell == begin else cell * width) - away - slack)
             last[g, m] = max(last[g, m], (top if cell == end else (cell + 1) * width) - away + slack)
             farthest[g, m] = np.maximum(farthest[g, m], reach[k])

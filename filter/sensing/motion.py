@@ -10,24 +10,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Integers, read_only
+from filter.arrays import Array, Frozen, Integers
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON
+from filter.geometry.convex import EPSILON, hull_of
+from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
 from filter.measurements import Odometry
 from filter.team import Team
 
-# A sector wider than this, almost a half-plane, says nothing that the longest way does not say [rad].
-WIDEST = 1.5
+CORNERS = 8  # of a set of displacements: of a trapezoid ahead, and of one behind
 
 
 @dataclass(frozen=True, eq=False)
-class Displacements:
+class Displacements(Frozen):
     """For each of n robots a set of displacements: what is in the hull of some vertices and in a disc, and then a slip.
 
     Attributes:
-        vertices: (n, 8, 2) [m].
+        vertices: (n, CORNERS, 2) [m].
         reach: (n,) no displacement is longer, slip aside [m].
         slip: (n,) radius of the disc [m].
     """
@@ -35,10 +35,6 @@ class Displacements:
     vertices: Array
     reach: Array
     slip: Array
-
-    def __post_init__(self) -> None:
-        for name in ("vertices", "reach", "slip"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def support(self, robot: Integers, direction: Array) -> Array:
         """Return (r,) upper bounds of direction . u over the robots' displacements u, for directions (r, 2) [m]."""
@@ -53,6 +49,24 @@ class Displacements:
         pair = np.flatnonzero(constraints.i != WORLD)
         growth[pair] += self.support(constraints.i[pair], -constraints.normal[pair])
         return constraints.shifted(growth)
+
+    @property
+    def normals(self) -> Array:
+        """(n, CORNERS, 2) outward normals of the edges of the hulls of the vertices; NaN where there are fewer."""
+        return np.asarray(_normals(self.vertices))
+
+
+@compiled
+def _normals(vertices: Array) -> Array:
+    normals = np.full(vertices.shape, np.nan)
+    for robot in range(len(vertices)):
+        hull = hull_of(vertices[robot])
+        for k in range(len(hull) if len(hull) > 1 else 0):
+            following = hull[(k + 1) % len(hull)]
+            x, y = following[0] - hull[k, 0], following[1] - hull[k, 1]
+            length = np.hypot(x, y)
+            normals[robot, k, 0], normals[robot, k, 1] = y / length, -x / length
+    return normals
 
 
 @compiled
@@ -80,15 +94,16 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
         least cos(that) long. Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement
         is longer than the path, which tells where the sector is wide.
     """
-    vertices = np.zeros((team.robots, 8, 2))
+    vertices = np.zeros((team.robots, CORNERS, 2))
     reach, slip = np.zeros(team.robots), np.full(team.robots, team.speed_limit * duration)
     if odometry is None:
         return Displacements(vertices, reach, slip)
     direction = headings[odometry.robot].turned(odometry.turn / 2, odometry.turn_bound / 2 + odometry.direction_bound)
     bend = np.minimum(np.pi / 2, (np.abs(odometry.turn) + odometry.turn_bound) / 2 + odometry.direction_bound)
+    chord, back = np.cos(bend), direction.turned(np.pi)
     least, greatest = odometry.distance - odometry.distance_bound, odometry.distance + odometry.distance_bound
-    ahead = _trapezoid(np.maximum(least, 0) * np.cos(bend), np.maximum(greatest, 0), direction)
-    behind = _trapezoid(np.maximum(-greatest, 0) * np.cos(bend), np.maximum(-least, 0), direction.turned(np.pi))
+    ahead = _trapezoids(np.maximum(least, 0) * chord, np.maximum(greatest, 0), direction.centre, direction.bound)
+    behind = _trapezoids(np.maximum(-greatest, 0) * chord, np.maximum(-least, 0), back.centre, back.bound)
     ahead = np.where((greatest < 0)[:, None, None], behind, ahead)
     behind = np.where((least > 0)[:, None, None], ahead, behind)
     farthest = np.maximum(np.abs(least), np.abs(greatest))
@@ -100,15 +115,13 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     return Displacements(vertices, reach, slip)
 
 
-def _trapezoid(nearest: Array, farthest: Array, direction: AngularIntervals) -> Array:
-    """Return (k, 4, 2) corners of the smallest trapezoid around [nearest, farthest] over (k) sectors."""
-    along = np.stack([np.cos(direction.centre), np.sin(direction.centre)], axis=1)
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    bound = np.minimum(direction.bound, WIDEST)
-    near = (nearest * np.cos(bound))[:, None]
-    far, slope = farthest[:, None], np.tan(bound)[:, None]
-    corners = [side * (along + turn * slope * across) for side in (near, far) for turn in (-1, 1)]
-    return np.stack(corners, axis=1)
+@compiled
+def _trapezoids(nearest: Array, farthest: Array, centre: Array, bound: Array) -> Array:
+    """Return (k, 4, 2) corners of the smallest trapezoids around [nearest, farthest] over (k) sectors."""
+    corners = np.empty((len(nearest), 4, 2))
+    for k in range(len(nearest)):
+        corners[k] = trapezoid(centre[k], bound[k], nearest[k], farthest[k])
+    return corners
 
 
 def turned_headings(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> AngularIntervals:

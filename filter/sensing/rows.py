@@ -9,8 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from filter.arrays import Array, Integers
+from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON
+from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
 from filter.measurements import Bearing, Compass, Range
@@ -41,41 +43,43 @@ def world_arcs(record: Bearing, headings: AngularIntervals) -> AngularIntervals:
 
 
 def bearing_rows(robot: Integers, target: Integers, arcs: AngularIntervals, source: Integers) -> Constraints:
-    """Return two rows for each (k) arc narrower than half a circle; wider ones are no convex set and give none.
-
-    With d = x_target - x_robot: dx sin(least) - dy cos(least) <= 0 and -dx sin(greatest) + dy cos(greatest) <= 0.
-    """
+    """Return two rows for each (k) arc narrower than half a circle; wider ones are no convex set and give none."""
     narrow = np.flatnonzero(arcs.bound < np.pi / 2 - 2 * WIDENING)
-    least = arcs.centre[narrow] - arcs.bound[narrow] - WIDENING
-    greatest = arcs.centre[narrow] + arcs.bound[narrow] + WIDENING
-    normal = np.concatenate(
-        [
-            np.stack([np.sin(least), -np.cos(least)], axis=1),
-            np.stack([-np.sin(greatest), np.cos(greatest)], axis=1),
-        ]
-    )
-    twice = np.concatenate([narrow, narrow])
+    normal, twice = _sides(arcs.centre[narrow], arcs.bound[narrow] + WIDENING), np.repeat(narrow, 2)
     return Constraints.between(robot[twice], target[twice], normal, np.zeros(len(twice)), source[twice])
 
 
-def range_rows(record: Range, arcs: AngularIntervals, source: Integers, spacing: float = TANGENT_SPACING) -> Constraints:
-    """Return the rows of ranges to targets whose directions lie in (k) arcs.
+@compiled
+def _sides(centre: Array, bound: Array) -> Array:
+    """Return (2 k, 2) normals of both sides of (k) sectors."""
+    normals = np.empty((2 * len(centre), 2))
+    for k in range(len(centre)):
+        normals[2 * k : 2 * k + 2] = sides(centre[k], bound[k])
+    return normals
 
-    Far side: u . d <= greatest for directions u evenly over the arc, `spacing` apart at most [rad]; a narrow arc has
-    one, an unknown direction twelve. Near side, for arcs narrower than half a circle: -u . d <= -least cos(bound).
-    """
+
+def range_rows(record: Range, arcs: AngularIntervals, source: Integers, spacing: float = TANGENT_SPACING) -> Constraints:
+    """Return the rows of ranges to targets whose directions lie in (k) arcs: tangents and near sides, see `far_and_near`."""
     least, greatest = record.interval()
-    count = np.maximum(1, np.ceil(2 * arcs.bound / spacing)).astype(int)
-    which = np.repeat(np.arange(len(count)), count)
-    place = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    angle = arcs.centre[which] + arcs.bound[which] * ((2 * place + 1) / count[which] - 1)
-    near = np.flatnonzero((arcs.bound < np.pi / 2) & (least > 0))
-    nearest = -least[near] * (1 - WIDENING) * np.cos(np.minimum(np.pi / 2, arcs.bound[near] + WIDENING))
-    direction = np.concatenate([angle, arcs.centre[near] + np.pi])
-    offset = np.concatenate([greatest[which] * (1 + WIDENING), nearest])
-    measured = np.concatenate([which, near])
-    normal = np.stack([np.cos(direction), np.sin(direction)], axis=1)
-    return Constraints.between(record.robot[measured], record.target[measured], normal, offset, source[measured])
+    near, far = least * (1 - WIDENING), greatest * (1 + WIDENING)
+    rows = _far_and_near(arcs.centre, np.minimum(arcs.bound + WIDENING, np.pi), near, far, spacing)
+    which = rows[:, 0].astype(np.int64)
+    return Constraints.between(record.robot[which], record.target[which], rows[:, 1:3], rows[:, 3].copy(), source[which])
+
+
+@compiled
+def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, spacing: float) -> Array:
+    """Return (r, 4) half-planes around the far and near sides of (k) sectors: which, normal and offset."""
+    most = 0
+    for k in range(len(centre)):
+        most += int(np.ceil(2 * bound[k] / spacing)) + 2
+    rows, count = np.empty((most, 4)), 0
+    for k in range(len(centre)):
+        normals, offsets = far_and_near(centre[k], bound[k], nearest[k], farthest[k], spacing)
+        end = count + len(offsets)
+        rows[count:end, 0], rows[count:end, 1:3], rows[count:end, 3] = k, normals, offsets
+        count = end
+    return rows[:count].copy()
 
 
 def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constraints:

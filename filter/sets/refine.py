@@ -1,64 +1,48 @@
-"""Each robot's region: the projection of the team's polytope, cut with what is known of that robot alone.
+"""Each robot's region, and each pair's: the projection of the team's polytope, cut with what is known of these alone.
 
-The outer polygon's edges become rows themselves: that is how the team's knowledge survives pruning.
+The outer polygons' edges become rows themselves: that is how the team's knowledge survives pruning. A prediction moves every
+row on its own; what several rows say together of two robots has to be one row before, or it is lost.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.errors import Inconsistent
+from filter.geometry.polygon import SIDES
 from filter.linear.constraints import WORLD, Constraints
+from filter.linear.implied import imply
 from filter.linear.polytope import Polytope
-from filter.linear.solvers import Solver
-from filter.projection.budget import IsOver, never
-from filter.projection.claims import Contradiction, Outlined, Outlines, in_order
-from filter.projection.polygons_of import Stop, position
-from filter.projection.projector import project_all
-from filter.projection.team import project_windows
-from filter.projection.walk import PROVED
+from filter.linear.sources import Sources
+from filter.projection.claims import Outlines, Weights
+from filter.projection.stop import IsOver, never
+from filter.projection.team import Outlined, Projector
 from filter.projection.window import Window
-from filter.sets.belief import Event, Fallback, Proof, Sources
-from filter.sets.boxes import proved_boxes
+from filter.sets.belief import Proof
+from filter.sets.events import Event, Fallback
 from filter.sets.regions import Regions
-
-Scope = Literal["team"] | Window
 
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
 SHARES = (1e-2, 1e-4, 1e-6, 0.0)
 
+# Where regions are found in the whole team, pairs are found among those near them: regions have taken the rest along already.
+NEAR = Window(hops=2, robots=12)
 
-def regions_at_a_glance(polytope: Polytope) -> Regions:
-    """Return each robot's region from its own rows alone, without a search: larger, sound, nothing known from inside."""
-    return _regions(polytope, Outlines.at_a_glance(polytope.of_robots(np.arange(len(polytope.lower)))))
-
-
-def _regions(polytope: Polytope, outlines: Outlines) -> Regions:
-    """Return outlines as regions, each edge with its causes."""
-    edges, boxes = np.repeat(np.arange(len(outlines.behind)), np.diff(outlines.row_first)), np.zeros(0, dtype=np.int64)
-    if len(polytope.origin):
-        boxes = np.flatnonzero((outlines.behind < 0) & (outlines.behind != PROVED))
-    cause = np.concatenate([polytope.constraints.source[outlines.row], polytope.origin[outlines.outer.owner[boxes]]])
-    edge = np.concatenate([edges, boxes])
-    first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(np.bincount(edge, minlength=len(outlines.behind)))])
-    order = np.argsort(edge, kind="stable")
-    return Regions(outlines.outer, outlines.inner, outlines.searches, outlines.reasons, cause[order], first)
+Pairs = tuple[Integers, Integers]  # i and j (g) of each
 
 
 @dataclass(frozen=True, eq=False)
-class Searched:
-    """What a search of every robot's region gave.
+class Refined:
+    """What projections gave.
 
     Attributes:
         polytope: With the regions' edges as the only rows on single robots and with the regions' boxes.
         regions: (n) where each robot is.
         sources: The table, with the regions entered.
-        events: Where solvers failed.
+        events: Where walks and solvers failed.
         proofs: Of every edge, then of every side of the boxes.
     """
 
@@ -69,98 +53,144 @@ class Searched:
     proofs: tuple[Proof, ...]
 
 
-def searched(
-    time: float,
-    polytope: Polytope,
-    sources: Sources,
-    solvers: Sequence[Solver],
-    *,
-    stop: Stop,
-    scope: Scope = "team",
-    is_over: IsOver = never,
-    threads: int | None = None,
-) -> Searched:
-    """Search every robot's region in the whole team's polytope, or in the robot's window of it.
+def refined(time: float, polytope: Polytope, sources: Sources, projector: Projector, *, is_over: IsOver = never) -> Refined:
+    """Project every robot's region.
 
-    The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
-    is taken; with what was propagated it is always a region, only a larger one. Those whose regions were refined longest
-    ago come first: when time is up, the others' regions are what is known of them at a glance.
+    Those whose regions were refined longest ago come first: when time is up, the others' regions are what is known of them at
+    a glance.
 
     Raises:
         Inconsistent: The polytope is proved to be empty.
     """
     robots = np.arange(len(polytope.lower))
     order = np.argsort(sources.time[polytope.origin], kind="stable") if len(polytope.origin) else robots
-    if isinstance(scope, Window):
-        found = project_windows(polytope, scope, solvers, stop, order=order, is_over=is_over, threads=threads)
-    else:
-        found = _in_the_team(polytope, order, solvers, stop, is_over)
-    if isinstance(found, Contradiction):
-        conflict = _conflict(polytope, found.multipliers)
-        conflict = conflict[np.argsort(sources.time[conflict], kind="stable")]
-        raise Inconsistent(f"at {time} s", [sources[number] for number in conflict.tolist()])
-    table, numbers = sources.extended("region", time, robots)
-    outlines = found.outlines
-    refined = np.array([reason != "time" or not len(polytope.origin) for reason in outlines.reasons], dtype=bool)
-    alone = np.full(len(robots), WORLD)
-    own, row = edges_as_rows(polytope, outlines, (alone, robots), numbers)
-    lower, upper, boxes = proved_boxes(polytope, table, outlines.outer, (own, row), np.flatnonzero(refined))
-    pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
-    origin = np.where(refined, numbers, polytope.origin if len(polytope.origin) else numbers)
-    smaller = Polytope(Constraints.concatenate([pairs, own]), lower, upper, origin)
-    events = tuple(Fallback(each.plane, each.failed, each.used) for each in found.failures)
-    edges = proof_of(polytope, sources, outlines, (alone, robots))
-    return Searched(smaller, _regions(polytope, outlines), table, events, (edges, boxes))
-
-
-def _in_the_team(
-    polytope: Polytope, order: Integers, solvers: Sequence[Solver], stop: Stop, is_over: IsOver
-) -> Outlined | Contradiction:
-    robots, rows = len(polytope.lower), polytope.constraints
-    own = [rows.rows_of(WORLD, robot) for robot in order.tolist()]
-    known, planes = [(rows.normal[each], rows.offset[each]) for each in own], [position(robot, robots) for robot in order]
-    found = project_all(polytope.program(), planes, known, solvers, stop, is_over=is_over)
+    found = projector.robots(polytope, order=order, is_over=is_over)
     if found.contradiction is not None:
-        return Contradiction(found.contradiction)
-    reached = np.array([each is not None for each in found.found], dtype=bool)
-    pieces = [
-        (order[reached], Outlines.of(polytope, order[reached], found.complete)),
-        (order[~reached], Outlines.at_a_glance(polytope.of_robots(order[~reached]), "time")),
-    ]
-    failures = (replace(each, plane=None if each.plane is None else int(order[each.plane])) for each in found.failures)
-    return Outlined(in_order(pieces), tuple(failures))
+        raise _inconsistent(time, polytope, sources, found.contradiction)
+    table, numbers = sources.extended("region", time, robots)
+    outlines, whose = found.outlines, (np.full(len(robots), WORLD), robots)
+    late = np.array([reason == "time" for reason in outlines.reasons], dtype=bool) & bool(len(polytope.origin))
+    own, row = edges_as_rows(polytope, outlines, whose, numbers)
+    lower, upper, boxes = proved_boxes(polytope, table, outlines, (own, row), np.flatnonzero(~late))
+    pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
+    origin = np.where(late, polytope.origin, numbers) if late.any() else numbers
+    smaller = Polytope(Constraints.concatenate([own, pairs]), lower, upper, origin)
+    edges = Proof.of(polytope, sources, outlines, whose)
+    return Refined(smaller, Regions.of(polytope, outlines), table, _events(found, robots), (edges, boxes))
 
 
-def edges_as_rows(
-    polytope: Polytope, outlines: Outlines, whose: tuple[Integers, Integers], numbers: Integers
-) -> tuple[Constraints, Integers]:
-    """Return the outlines' edges as rows, and which row (e,) each edge is; -1 for the sides of boxes.
+def with_pairs(time: float, found: Refined, most: int, projector: Projector, *, is_over: IsOver = never) -> Refined:
+    """Return what was found with the projections of at most so many pairs as the rows on them, and why these hold.
+
+    Walks that are lost are events; their pairs keep the rows they have, and so do those that time runs out on.
+    """
+    polytope, sources = found.polytope, found.sources
+    i, j = pairs = chosen_pairs(polytope, sources, time, most)
+    if not len(j):
+        return found
+    near = replace(projector, window=NEAR) if projector.window.leaves_nobody_out else projector
+    mutual = near.pairs(polytope, pairs, is_over=is_over)
+    table, numbers = sources.extended("region", time, j, i)
+    edges, _ = edges_as_rows(polytope, mutual.outlines, pairs, numbers)
+    rows, robots = polytope.constraints, len(polytope.lower)
+    others = rows.select(~np.isin(_keys(rows.i, rows.j, robots), _keys(i, j, robots)))
+    return replace(
+        found,
+        polytope=polytope.with_constraints(Constraints.concatenate([others, edges])),
+        sources=table,
+        events=(*found.events, *_events(mutual, j, i)),
+        proofs=(*found.proofs, Proof.of(polytope, sources, mutual.outlines, pairs)),
+    )
+
+
+def chosen_pairs(polytope: Polytope, sources: Sources, time: float, most: int) -> Pairs:
+    """Return at most so many pairs i < j, in order: those just measured, then those longest ago, then those without rows."""
+    rows, robots = polytope.constraints, len(polytope.lower)
+    i, j, first = rows.grouped()
+    if not most or robots < 2:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    last = np.maximum.reduceat(sources.time[rows.source], first[:-1]) if len(rows) else np.zeros(0)
+    known = np.flatnonzero(i != WORLD)
+    known = known[np.lexsort((last[known], last[known] < time))]
+    i, j = i[known], j[known]
+    if len(known) < most:
+        first, second = np.triu_indices(robots, 1)
+        others = ~np.isin(_keys(first, second, robots), _keys(i, j, robots))
+        i, j = np.append(i, first[others]), np.append(j, second[others])
+    order = np.lexsort((j[:most], i[:most]))
+    return i[:most][order], j[:most][order]
+
+
+def edges_as_rows(polytope: Polytope, outlines: Outlines, whose: Pairs, numbers: Integers) -> tuple[Constraints, Integers]:
+    """Return the outlines' edges as rows, and which row (e,) each edge is, or their number for a side of a box.
 
     Args:
         polytope: What the outlines are of.
-        outlines: (n) of robots or pairs.
+        outlines: (n) of robots or pairs, in order.
         whose: i and j (n) of each.
         numbers: (n,) the sources of edges that were proved anew; rows that were known keep theirs.
     """
-    is_row = (outlines.behind >= 0) | (outlines.behind == PROVED)
-    owner, behind = outlines.outer.owner[is_row], outlines.behind[is_row]
-    source = numbers[owner]
-    source[behind >= 0] = polytope.constraints.source[behind[behind >= 0]]
-    normals, offsets = outlines.outer.normals[is_row], outlines.outer.offsets[is_row]
-    rows = Constraints(whose[0][owner], whose[1][owner], normals, offsets, source)
-    return rows, np.where(is_row, np.cumsum(is_row) - 1, -1)
+    rows, weights, outer = polytope.constraints, outlines.weights, outlines.outer
+    is_row = weights.counts > 0
+    i, j = (each[outer.owner[is_row]] for each in whose)
+    source, one = numbers[outer.owner[is_row]], weights.row[weights.first[:-1][is_row]]
+    known = (weights.counts[is_row] == 1) & (rows.i[one] == i) & (rows.j[one] == j)
+    source[known] = rows.source[one[known]]
+    edges = Constraints(i, j, outer.normals[is_row], outer.offsets[is_row], source)
+    return edges, np.where(is_row, np.cumsum(is_row) - 1, len(edges))
 
 
-def proof_of(polytope: Polytope, sources: Sources, outlines: Outlines, whose: tuple[Integers, Integers]) -> Proof:
-    """Return why every edge holds, of outlines of robots or pairs i, j."""
-    outer, claim = outlines.outer, np.repeat(np.arange(len(outlines.behind)), np.diff(outlines.row_first))
-    i, j = (each[outer.owner] for each in whose)
-    return Proof(polytope, sources, i, j, outer.normals, outer.offsets, claim, outlines.row, outlines.multiplier)
+def proved_boxes(
+    polytope: Polytope, sources: Sources, outlines: Outlines, edges: tuple[Constraints, Integers], robots: Integers
+) -> tuple[Array, Array, Proof]:
+    """Return lower and upper corners (n, 2) of the polytope's box, made smaller around some robots' polygons, and why.
+
+    Args:
+        polytope: Its box is where each proof starts.
+        sources: The table of the edges.
+        outlines: (n) of the robots.
+        edges: The polygons' edges as rows, and (e,) which of these each edge of a polygon is, or their number for none.
+        robots: (k,) whose boxes are made smaller.
+    """
+    (rows, row), outer, asked = edges, outlines.outer, len(robots) * len(SIDES)
+    box, nobody = (polytope.lower, polytope.upper), np.full(len(outer), WORLD)
+    bounds, used, prices = np.empty(asked), np.empty((asked, 2), dtype=np.int64), np.empty((asked, 2))
+    polygons, normals = (outer.normals, outer.vertices, row, outer.first), np.tile(SIDES, (len(robots), 1))
+    whose = np.repeat(robots, len(SIDES))
+    imply((bounds, used, prices), (nobody, np.arange(len(outer))), polygons, (whose, normals), rows.rows, box)
+    sides, lower, upper = bounds.reshape(-1, 4), polytope.lower.copy(), polytope.upper.copy()
+    high, low = np.minimum(upper[robots], sides[:, :2]), np.maximum(lower[robots], -sides[:, 2:])
+    good = (low <= high).all(axis=1)  # otherwise it is empty, which is for the next update to prove and to explain
+    lower[robots[good]], upper[robots[good]] = low[good], high[good]
+    claim, place = np.nonzero(prices)
+    weights = Weights(used[claim, place], prices[claim, place], np.searchsorted(claim, np.arange(asked + 1)))
+    whole = Polytope(rows, polytope.lower, polytope.upper)
+    return lower, upper, Proof(whole, sources, np.full(asked, WORLD), whose, normals, bounds, weights)
 
 
-def _conflict(polytope: Polytope, multipliers: Array) -> Integers:
-    """Return the numbers of the sources of a Farkas certificate (r,), of as few rows as still prove it."""
+def _events(found: Outlined, robots: Integers, seen_from: Integers | None = None) -> tuple[Event, ...]:
+    """Return the failures of projections of some robots, or of pairs, as events."""
+    return tuple(
+        Fallback(
+            None if each.which is None else int(robots[each.which]),
+            each.failed,
+            each.used,
+            None if seen_from is None or each.which is None else int(seen_from[each.which]),
+        )
+        for each in found.failures
+    )
+
+
+def _inconsistent(time: float, polytope: Polytope, sources: Sources, multipliers: Array) -> Inconsistent:
+    """Return the error that names the sources of a Farkas certificate (r,), of as few rows as still prove it."""
     program = polytope.program()
     kept = (np.where(multipliers > share * multipliers.max(), multipliers, 0) for share in SHARES)
     proof = next((weights for weights in kept if program.proves_empty(weights)), multipliers)
-    return np.unique(polytope.constraints.source[proof > 0])
+    conflict = np.unique(polytope.constraints.source[proof > 0])
+    conflict = conflict[np.argsort(sources.time[conflict], kind="stable")]
+    return Inconsistent(f"at {time} s", [sources[number] for number in conflict.tolist()])
+
+
+def _keys(i: Integers, j: Integers, robots: int) -> Integers:
+    """Return a number for each pair; negative where i is WORLD."""
+    return np.where(i == WORLD, -1, i * robots + j)

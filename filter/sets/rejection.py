@@ -9,8 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from filter.errors import Inconsistent
+from filter.linear.sources import Source
 from filter.measurements import Compass, Measurement, field_names
-from filter.sets.belief import Belief, Rejected, Source
+from filter.sets.belief import Belief
+from filter.sets.events import Rejected
+from filter.sets.merge import KIND_OF
 
 # So many sets of measurements are tried before the search for the fewest is given up.
 TRIES = 64
@@ -46,7 +49,7 @@ def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
     for k, record in enumerate(measurements):
         targets = [None] * len(record.robot) if isinstance(record, Compass) else record.target.tolist()
         for place, (robot, target) in enumerate(zip(record.robot.tolist(), targets, strict=True)):
-            found[k, place] = Source(type(record).__name__.lower(), record.time, robot, target)
+            found[k, place] = Source(KIND_OF[type(record)], record.time, robot, target)
     return found
 
 

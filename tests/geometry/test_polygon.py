@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import shapely
+from filter.geometry.polygons import Polygons
 from helpers.worlds import exact_slack, offset_through, outside_hull, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,7 +14,6 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import wrap
 from filter.geometry.convex import area_of, hull_of
 from filter.geometry.polygon import Polygon, clip
-from filter.geometry.polygons import Polygons
 
 # Areas and lengths of two ways to compute a polygon differ by no more than this [m, m2].
 SAME = 1e-9

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from filter.geometry.polygons import Polygons, cut_boxes, joined, places
 from helpers.worlds import unit
 
 from filter.geometry.polygon import Polygon, clip
-from filter.geometry.polygons import Polygons, cut_boxes, joined, places
 
 
 def some(rng, count=7):

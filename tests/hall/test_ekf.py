@@ -4,6 +4,7 @@ from functools import partial
 import numpy as np
 import pytest
 from helpers.worlds import World
+from scipy.stats import chi2
 
 from filter.ekf import UNIFORM, ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import InvalidInput, OutOfOrder
@@ -292,6 +293,14 @@ def test_a_gate_rejects_an_outlier_and_takes_the_rest():
     open_to_all = ExtendedKalmanFilter(TEAM).update(belief_at(), [readings])
     assert open_to_all.rejected == 0
     assert open_to_all.mean[1, 2] != MEAN[1, 2]
+
+
+@pytest.mark.parametrize("gate", [1e-6, 0.3, 0.95, 0.999, 1 - 1e-12])
+def test_a_gate_is_a_quantile_of_the_chi_square_distribution(gate):
+    largest = np.sqrt(chi2.ppf(gate, 1) * (0.01 + (UNIFORM * 0.05) ** 2))  # of an innovation, with the mean's variance
+    for factor, rejected in ((1 - 1e-3, 0), (1 + 1e-3, 1)):
+        reading = Compass(0.0, [0], [MEAN[0, 2] + factor * largest], 0.05)
+        assert ExtendedKalmanFilter(TEAM, gate=gate).update(belief_at(), [reading]).rejected == rejected
 
 
 def test_what_a_gate_rejected_is_counted_on():

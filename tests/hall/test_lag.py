@@ -1,16 +1,12 @@
 """Late measurements: merged as if they had come in order, bit for bit, or refused and counted."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from helpers.worlds import World
 
-from filter.errors import InvalidInput
-from filter.geometry.polygon import Polygon
-from filter.lag import FixedLag
-from filter.measurements import Odometry, Range
-from filter.robust.robust_filter import RobustFilter
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
+from filter import FixedLag, Frame, InvalidInput, Odometry, Polygon, Range, RobustFilter, SetMembershipFilter, Team, follow
 
 
 def motion(start, time):
@@ -36,10 +32,10 @@ def figures(belief):
 
 
 def in_order(filter_, belief, records):
-    for said in records:
-        time = said[0].time
-        belief = filter_.update(filter_.predict(belief, time, motion(belief.time, time)), said)
-    return belief
+    times = [belief.time, *(said[0].time for said in records)]
+    frames = [Frame(time, motion(before, time), said) for (before, time), said in zip(pairwise(times), records, strict=True)]
+    *_, step = follow(filter_, belief, frames)
+    return step.belief
 
 
 @pytest.mark.parametrize("kind", [RobustFilter, SetMembershipFilter])
@@ -79,8 +75,11 @@ def test_what_comes_too_late_is_refused_and_counted():
 
 
 def test_a_measurement_at_the_very_start_is_merged_there():
+    def unknown(start, time):
+        assert start < time, "nobody moves in no time"
+
     filter_ = RobustFilter(Team(1, [[2.0, 0.0]]))
-    lag = FixedLag(filter_, lambda start, time: None, 1.0)
+    lag = FixedLag(filter_, unknown, 1.0)
     begun = lag.begin(filter_.start(0.0, [Polygon.box([-1, -1], [1, 1])]))
     early = Range(0.0, 0, 1, 1.5, 0.1, 0.0)
     late = lag.merge(lag.merge(begun, [Range(0.5, 0, 1, 1.5, 0.6, 0.0)]), [early])

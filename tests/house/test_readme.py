@@ -21,10 +21,14 @@ def test_the_example_runs_and_prints_regions_that_hold_together(capsys):
     assert "bearing of robot" in proof or "range of robot" in proof
 
 
-def test_every_file_that_the_readme_links_is_there():
-    links = re.findall(r"\]\(([^)#]+)\)", README)
-    assert links
-    assert [link for link in links if not link.startswith("http") and not (ROOT / link).exists()] == []
+@pytest.mark.parametrize("path", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda path: path.name)
+def test_every_file_that_a_text_links_is_there(path):
+    links = [link for link in re.findall(r"\]\(([^)#\s]+)\)", path.read_text()) if not link.startswith("http")]
+    assert [link for link in links if not (path.parent / link).exists()] == []
+
+
+def test_the_readme_links_its_documents():
+    assert len(set(re.findall(r"\]\((docs/\w[\w-]*\.md)", README))) >= 5
 
 
 def test_the_reading_order_is_that_of_the_filter():

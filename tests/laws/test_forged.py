@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from experiments import prove
+from experiments.logs import Header, InitialSet, LogWriter
 from experiments.logs.certificates import HEADINGS, hexadecimal
-from experiments.logs.log import LogWriter
-from experiments.logs.records import Header, InitialSet
 from filter.frame import Frame
 from filter.team import Team
 

@@ -14,8 +14,9 @@ from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune
 from filter.linear.solvers import deepest_point, workspace
 from filter.measurements import Bearing, Compass, Odometry, Range
-from filter.projection.polygons_of import Stop, position
+from filter.projection.proved import position
 from filter.projection.search import project
+from filter.projection.stop import Stop
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

@@ -8,8 +8,9 @@ from helpers.worlds import random_program, unit
 from experiments.paper.search_curves import corners_of, regular_polygon, trace_of_polygon
 from filter.geometry.polygon import Polygon
 from filter.linear.solvers import SIMPLEX, deepest_point, workspace
-from filter.projection.polygons_of import Stop, position
+from filter.projection.proved import position
 from filter.projection.search import project
+from filter.projection.stop import Stop
 
 # Areas are right to this share of the region's.
 ROUNDING = 1e-9

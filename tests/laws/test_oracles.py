@@ -7,7 +7,8 @@ from scipy.optimize import linprog
 
 from filter.geometry.polygon import Polygon
 from filter.linear.solvers import workspace
-from filter.projection.polygons_of import Stop, position
+from filter.projection.proved import position
+from filter.projection.stop import Stop
 from filter.sets.set_membership import SetMembershipFilter
 
 # PIQP's optimum is this close to that of HiGHS, with the box as the unit.

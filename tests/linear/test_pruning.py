@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from filter.geometry.polygons import cut_boxes
 from helpers.worlds import NO_ROWS, of_robot, unit
 
 from filter.geometry.polygon import clip
-from filter.geometry.polygons import cut_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune, worthy_rows

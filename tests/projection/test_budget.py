@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from filter.projection.budget import Budget, never
 from helpers.worlds import World, escapes
 
 from filter.errors import InvalidInput
-from filter.projection.budget import Budget, never
 from filter.projection.window import Window
 from filter.sets.set_membership import SetMembershipFilter
 

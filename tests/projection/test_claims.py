@@ -6,7 +6,7 @@ from helpers.worlds import of_robot
 from projection.test_team import merged, team_regions
 
 from filter.projection.claims import Outlines, in_order
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.projection.team import project_windows
 from filter.projection.walk import PROVED
 from filter.projection.window import Window

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from filter.projection.exact import Walker, project_exactly
 from helpers.worlds import World
 from scipy import sparse
 from scipy.optimize import linprog
@@ -16,9 +17,9 @@ from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
 from filter.measurements import Range
 from filter.projection import projector
-from filter.projection.exact import Walker, project_exactly
-from filter.projection.polygons_of import NOTHING, Stop, position, relative_position
-from filter.projection.projector import EXACT, project_all
+from filter.projection.fallback import EXACT, project_all
+from filter.projection.proved import NOTHING, position, relative_position
+from filter.projection.stop import Stop
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

@@ -13,8 +13,9 @@ from filter.errors import InvalidInput
 from filter.geometry.polygon import Polygon
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import Candidate, deepest_point, workspace
-from filter.projection.polygons_of import Stop, performance_ratio, position, relative_position
+from filter.projection.proved import performance_ratio, position, relative_position
 from filter.projection.search import project
+from filter.projection.stop import Stop
 
 # Two solvers, or two ways to compute an area, agree to this share.
 SAME = 1e-6

@@ -8,8 +8,9 @@ from scipy import sparse
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import workspace
 from filter.projection import projector
-from filter.projection.polygons_of import NOTHING, Stop, position
-from filter.projection.projector import EXACT, Failure, broken_row, project_all
+from filter.projection.fallback import EXACT, Failure, broken_row, project_all
+from filter.projection.proved import NOTHING, position
+from filter.projection.stop import Stop
 
 
 class Silent:

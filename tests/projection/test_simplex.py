@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from filter.projection.exact import _rows
 from projection.test_exact import random_program
 from scipy.optimize import linprog
 
 from filter.linear.scaled import ScaledProgram
-from filter.projection.exact import _rows
 from filter.projection.simplex import EMPTY, FOUND, LOST, Rows, become_feasible, combination, corner, exchange, locate, mend
 
 LIMIT = 2000

@@ -5,19 +5,20 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from filter.geometry.polygons import Polygons
 from helpers.worlds import World, escapes
 from projection.test_exact import EVERYTHING, random_program
 
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.geometry.polygons import Polygons
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.measurements import Range
 from filter.projection import team as windows
-from filter.projection.polygons_of import NOTHING, Stop, position
-from filter.projection.projector import EXACT, project_all
+from filter.projection.fallback import EXACT, project_all
+from filter.projection.proved import NOTHING, position
+from filter.projection.stop import Stop
 from filter.projection.team import project_windows
 from filter.projection.walk import PROVED
 from filter.projection.window import Window, links, members_of

@@ -29,14 +29,7 @@ from experiments.follow.ellipses import (
 from experiments.follow.side_by_side import Case, compare
 from experiments.follow.steps import steps
 from experiments.paper.merge_orders import compare_orders, spread_over_orders, static_case
-from filter.ekf import GaussianBelief
-from filter.errors import Inconsistent
-from filter.frame import Frame, Truth
-from filter.geometry.polygon import Polygon
-from filter.projection.polygons_of import Stop
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
-from filter.watch import watch
+from filter import Frame, GaussianBelief, Inconsistent, Polygon, SetMembershipFilter, Stop, Team, Truth, follow, watch
 from sim.episode import episode
 from sim.errors import ERROR_KINDS, Errors
 
@@ -177,7 +170,7 @@ def test_a_sweep_can_be_made_longer(swept, tmp_path):
 
 
 BAD = {
-    "no runs": (["--runs", "0"], "number of runs"),
+    "no runs": (["--runs", "0"], "runs: finite numbers within [1"),
     "no robots": (["--robots", "0"], "robots"),
     "no time": (["--duration", "0"], "duration"),
     "a negative seed": (["--seed", "-1"], "seed"),
@@ -292,10 +285,8 @@ def test_a_relative_region_contains_the_truth_and_says_more_than_two_regions_whe
     followed = SetMembershipFilter(run.team, stop=Stop(0.999, searches=60))
     half = run.start_bound
     belief = followed.start(0.0, [Polygon.box(centre - half, centre + half) for centre in run.start_centres])
-    for frame in run:
-        if frame.odometry is not None:
-            belief = followed.predict(belief, frame.time, frame.odometry)
-        belief = followed.update(belief, frame.measurements)
+    *_, step = follow(followed, belief, run)
+    belief, frame = step.belief, step.frame
     ratios = []
     pairs = neighbours(3)
     for (i, j), outer in zip(pairs, relative_regions(belief, pairs, followed), strict=True):

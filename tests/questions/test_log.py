@@ -5,12 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.logs.log import InvalidLog, LogReader, LogWriter
-from experiments.logs.records import Header, InitialSet
-from filter.errors import InvalidInput
-from filter.frame import Frame, Truth
-from filter.measurements import Bearing, Compass, Odometry, Range, field_names
-from filter.team import Team
+from experiments.logs import Header, InitialSet, InvalidLog, LogReader, LogWriter
+from filter import Bearing, Compass, Frame, InvalidInput, Odometry, Range, Team, Truth
+from filter.measurements import field_names
 
 TEAM = Team(
     3, landmarks=[[0.1, 0.2], [1 / 3, -2e-17]], speed_limit=0.7, turn_rate_limit=1.5, arena=[[-6, -np.inf], [6, np.inf]]
@@ -203,7 +200,7 @@ FAULTS = {
     "header: another format": ("header", lambda r: r.update(format="bag"), "corral-log"),
     "header: a version to come": ("header", lambda r: r.update(version=2), "version 2"),
     "header: no version": ("header", lambda r: r.pop("version"), '"version"'),
-    "header: no robots": ("header", lambda r: r.update(robots=0), "at least one robot"),
+    "header: no robots": ("header", lambda r: r.update(robots=0), "number of robots"),
     "header: half a robot": ("header", lambda r: r.update(robots=2.5), "whole number"),
     "header: a negative speed": ("header", lambda r: r.update(speed_limit=-1), "speed limit"),
     "header: an arena inside out": ("header", lambda r: r["arena"][0].__setitem__(0, 9), "arena"),

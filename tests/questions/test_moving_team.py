@@ -14,15 +14,11 @@ import experiments.moving_team
 import experiments.show.viewer
 from experiments.follow.scenarios import from_log
 from experiments.follow.steps import Contacts, steps
-from experiments.logs.log import LogReader
+from experiments.logs import LogReader, tum_line
 from experiments.moving_team import Following, Options, main, scenario_of
-from experiments.show.output import Trajectories, output_folder, tum_line
+from experiments.show.output import Trajectories, output_folder
 from experiments.show.viewer import NoViewer, open_viewer
-from filter.errors import InvalidInput
-from filter.frame import Frame
-from filter.measurements import Bearing, Compass
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
+from filter import Bearing, Compass, Frame, InvalidInput, SetMembershipFilter, Team
 
 SHORT = ["--robots", "3", "--duration", "2", "--seed", "5"]
 KEYS = {

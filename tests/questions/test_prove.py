@@ -15,20 +15,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments import prove
-from experiments.logs.certificates import Certificates, hexadecimal
-from experiments.logs.log import LogWriter
-from experiments.logs.records import Header, InitialSet
+from experiments.logs import Certificates, Header, InitialSet, LogWriter
+from experiments.logs.certificates import hexadecimal
 from experiments.moving_team import main as moving_team
 from experiments.proof.chain import plane, through_corner
 from experiments.proof.exact import PI, Arc, Motion, length, sector
 from experiments.proof.exact import unit as enclosed
-from filter.frame import Frame
-from filter.geometry.angles import AngularIntervals
-from filter.geometry.polygon import Polygon
-from filter.measurements import Odometry
+from filter import AngularIntervals, Frame, Odometry, Polygon, SetMembershipFilter, Team, follow
 from filter.sensing.motion import displacements
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
 
 ROOT = Path(__file__).parents[2]
 CHECKER = ("prove", "proof.chain", "proof.log", "proof.exact")
@@ -53,10 +47,9 @@ def folder(request, tmp_path_factory):
                     name: getattr(motion, name)[1:] for name in Odometry.__dataclass_fields__ if name not in ("start", "time")
                 }
                 motion = Odometry(motion.start, motion.time, **columns)
-            records = tuple(world.measure())
-            log.write(Frame(world.time, motion, records, None))
-            belief = estimator.predict(belief, world.time, motion) if k else belief
-            belief = estimator.update(belief, records)
+            frame = Frame(world.time, motion, tuple(world.measure()))
+            log.write(frame)
+            belief = next(follow(estimator, belief, [frame])).belief
             file.write(belief)
     return path
 

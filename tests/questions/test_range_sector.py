@@ -9,7 +9,7 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Range
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

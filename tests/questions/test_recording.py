@@ -2,17 +2,12 @@ import numpy as np
 import pytest
 from helpers.recordings import rerun, rows_of
 
-from experiments.follow.scenarios import from_simulator
+from experiments.follow.simulated import from_simulator
 from experiments.follow.steps import steps
 from experiments.show.colours import colour_of, mixed
 from experiments.show.drawing import TRAIL, Drawing, Strips
 from experiments.show.recording import INDIVIDUALLY, Recording
-from filter.frame import Frame, Truth
-from filter.geometry.angles import AngularIntervals
-from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Range
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
+from filter import AngularIntervals, Bearing, Frame, Polygon, Range, SetMembershipFilter, Team, Truth
 from sim.episode import episode
 
 WALLS = np.array([[-2.1, -2.0, -2.0, 2.0]])

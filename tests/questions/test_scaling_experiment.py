@@ -16,10 +16,7 @@ from experiments.growth.size import LEFT_OUT, Case
 from experiments.scaling import GROWTH, LISTED, Options, cases_of, growth_exponent, main, summary_of
 from experiments.sweep.own_process import in_own_process
 from experiments.sweep.results import WorkerLost
-from filter.errors import Inconsistent
-from filter.frame import Truth
-from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
+from filter import Inconsistent, SetMembershipFilter, Truth, Window
 
 TINY = Case(4, "kinematic", "uniform", 2, steps=3)
 
@@ -108,13 +105,15 @@ def test_the_kalman_filter_is_timed_without_the_first_frame_and_ends_in_time(mon
     assert ekf_step_ms(scenario, "uniform", frames) > 0
     followed = []
     monkeypatch.setattr(scaling_run, "EKF_PATIENCE", 0.0)
-    monkeypatch.setattr(scaling_run.Follower, "follow", lambda self, frame: followed.append(frame) or tasks_estimate())
+
+    def noticed(*arguments):
+        for step in steps(*arguments):
+            followed.append(step.frame)
+            yield step
+
+    monkeypatch.setattr(scaling_run, "steps", noticed)
     ekf_step_ms(scenario, "uniform", frames)
     assert followed == frames[:2]
-
-
-def tasks_estimate():
-    return type("Estimate", (), {"seconds": 0.001})()
 
 
 def test_a_robot_that_escapes_ends_with_exit_code_1(monkeypatch, tmp_path):
@@ -175,7 +174,7 @@ def test_large_teams_drive_in_the_kinematic_world_and_a_hundred_in_both():
         (["--robots", ""], "whole numbers with commas"),
         (["--robots", "0,3"], "from 1 on"),
         (["--robots", "3,3"], "each once"),
-        (["--steps", "0"], "measured steps"),
+        (["--steps", "0"], "steps: finite numbers within [1"),
         (["--seed", "-1"], "seed"),
     ],
 )

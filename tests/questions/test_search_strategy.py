@@ -11,7 +11,7 @@ from experiments.paper.search_curves import LAST, SEARCHES, curves_of, regular_p
 from experiments.paper.search_figures import gaps, ratios
 from experiments.search_strategy import hardest_of, main
 from filter.linear.solvers import SIMPLEX
-from filter.projection.polygons_of import position
+from filter.projection.proved import position
 
 BOUND = np.radians(5)
 

@@ -11,7 +11,8 @@ from experiments.paper.frames import farthest_reference, localize, relative_regi
 from experiments.paper.merge_orders import spread_over_orders
 from experiments.static_localization import main
 from filter.errors import InvalidInput, Unbounded
-from filter.projection.polygons_of import Stop, position
+from filter.projection.proved import position
+from filter.projection.stop import Stop
 
 BOUND = np.radians(5)
 FEW = ["--robots", "5", "--seed", "1"]

@@ -9,20 +9,13 @@ import pytest
 from helpers.worlds import World, of_pair, of_robot, unit
 from scipy.optimize import linprog
 
-from experiments.follow.steps import Step
 from experiments.optimum.history import History, motion_rows, optimum, without_implied
 from experiments.optimum.runs import BUDGETS, DEFAULT
 from experiments.tightness import main
-from filter.frame import Frame, Truth
-from filter.geometry.polygon import Polygon
+from filter import Compass, Frame, Polygon, SetMembershipFilter, Stop, Team, Truth, Window, follow
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
-from filter.measurements import Compass
-from filter.projection.polygons_of import Stop
-from filter.projection.window import Window
 from filter.sensing.motion import Displacements, displacements
-from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
 
 FINE = Stop(0.999, 0.0, 48)
 ROUND = 512  # half-planes around a displacement set, for laws that are exact but for the slip's roundness
@@ -30,18 +23,17 @@ ROUND = 512  # half-planes around a displacement set, for laws that are exact bu
 
 def followed(estimator, world, count, tangents=32, motion=lambda record: record):
     """Return a history, the filter's steps, and the true positions (k, n, 2)."""
-    history, steps, truths = History(world.team, tangents=tangents), [], []
+
+    def frames():
+        for k in range(count):
+            odometry = motion(world.move()) if k else None
+            yield Frame(world.time, odometry, tuple(world.measure()), Truth(world.positions, world.headings))
+
     belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
-    for k in range(count):
-        odometry = motion(world.move()) if k else None
-        records = tuple(world.measure())
-        predicted = estimator.predict(belief, world.time, odometry) if k else belief
-        belief = estimator.update(predicted, records)
-        truth = Truth(world.positions, world.headings)
-        steps.append(Step(Frame(world.time, odometry, records, truth), predicted, belief, 0.0))
-        history.add(steps[-1])
-        truths.append(world.positions)
-    return history, steps, np.array(truths)
+    history, steps = History(world.team, tangents=tangents), list(follow(estimator, belief, frames()))
+    for step in steps:
+        history.add(step)
+    return history, steps, np.array([step.frame.truth.positions for step in steps])
 
 
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])
@@ -151,11 +143,8 @@ def test_an_anchored_team_stays_where_it_is():
     team = Team(2, speed_limit=0.0)
     estimator, history = SetMembershipFilter(team), History(team)
     belief = estimator.start(0.0, [Polygon.box([0, 0], [0, 0]), Polygon.box([1, 0], [2, 0])])
-    for k in range(3):
-        compass = (Compass(0.1 * k, [0, 1], 0.0, 0.1),)
-        predicted = estimator.predict(belief, 0.1 * k) if k else belief
-        belief = estimator.update(predicted, compass)
-        history.add(Step(Frame(0.1 * k, None, compass, None), predicted, belief, 0.0))
+    for step in follow(estimator, belief, [Frame(0.1 * k, None, (Compass(0.1 * k, [0, 1], 0.0, 0.1),)) for k in range(3)]):
+        history.add(step)
     point, segment = optimum(history, 2, FINE)
     assert np.abs(point.outer.vertices).max() < 1e-12
     assert segment.outer.bounds[0] == pytest.approx([1, 0], abs=1e-9)

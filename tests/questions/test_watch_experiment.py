@@ -4,12 +4,10 @@ import json
 import numpy as np
 import pytest
 
-from experiments.logs.log import LogReader
-from experiments.logs.tum import find_trajectories, read_trajectory
+from experiments.logs import LogReader, find_trajectories, read_trajectory, tum_line
 from experiments.moving_team import main as moving_team
-from experiments.show.output import tum_line
 from experiments.watch import Options, main
-from filter.errors import InvalidInput
+from filter import InvalidInput
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 from helpers.mrclam_folder import Made, write_run
 
 from experiments.calibrate import main
-from experiments.logs.log import LogReader
+from experiments.logs import LogReader
 from experiments.moving_team import main as moving_team
 from experiments.real_robots.bounds import Bounds, bound_over
 from experiments.real_robots.carried import Carried, CarriedBounds
@@ -16,8 +16,7 @@ from experiments.real_robots.error_bounds import proposed, said, statistics
 from experiments.real_robots.errors import Errors, command_lag, measurement_delay, motion_errors, sensor_errors, speed_scale
 from experiments.real_robots.frames import frames
 from experiments.real_robots.motion import Motions
-from filter.geometry.angles import wrap
-from filter.team import Team
+from filter import Team, wrap
 
 MADE = Made(duration=24.0, every=0.4, bearing_bias=0.05, range_scale=1.05, delay=0.08, lag=0.16)
 

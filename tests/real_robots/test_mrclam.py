@@ -9,7 +9,8 @@ from helpers.mrclam_folder import CLOCK, Made, write_run
 from helpers.recordings import rows_of
 
 from experiments import mrclam
-from experiments.logs.tum import read_trajectory
+from experiments.follow.steps import steps
+from experiments.logs import read_trajectory
 from experiments.mrclam import Changes, main, numbers_of
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.carried import Carried
@@ -21,11 +22,7 @@ from experiments.real_robots.frames import Start, frames
 from experiments.real_robots.kalman import kalman_filter
 from experiments.real_robots.metrics import Escaped, Table, Tally, longest, measured_by, summary_of
 from experiments.real_robots.motion import Motions
-from filter.errors import InvalidInput
-from filter.geometry.polygon import Polygon
-from filter.robust.belief import Restarted
-from filter.robust.robust_filter import RobustFilter
-from filter.team import Team
+from filter import InvalidInput, Polygon, Restarted, RobustFilter, Team
 
 KEYS = {
     "checks",
@@ -172,11 +169,10 @@ def test_measurements_that_cannot_be_are_rejected_and_the_guarantee_is_suspended
 
 def test_the_kalman_filter_follows_and_keeps_the_truth_in_its_ellipses(folder):
     scenario = frames(read_run(folder), (1, 2), known=Start(0.1, 0.05), generator=np.random.default_rng(4))
-    estimate, step = kalman_filter(scenario)
     wide = []
-    for frame in scenario.frames:
-        estimate = step(estimate, frame)
-        errors = estimate.mean[:, :2] - frame.truth.positions
+    for step in steps(kalman_filter(scenario.team), scenario):
+        estimate = step.belief
+        errors = estimate.mean[:, :2] - step.frame.truth.positions
         wide += [e @ np.linalg.solve(P, e) < 11.6 for e, P in zip(errors, estimate.position_covariances, strict=True)]
     assert np.mean(wide) > 0.9
     assert estimate.rejected == 0
@@ -241,11 +237,10 @@ def test_nothing_is_said_of_a_run_without_truth():
 
 
 def test_a_tally_counts_what_each_robot_measured(folder, scenario_frames):
-    scenario = frames(read_run(folder), (1, 2))
-    tally, (estimate, step_ekf) = Tally(0.0), kalman_filter(scenario)
+    scenario, again = (frames(read_run(folder), (1, 2)) for _ in range(2))
+    tally, estimates = Tally(0.0), steps(kalman_filter(scenario.team), again)
     for step in team_filter(scenario, Motions(read_run(folder), (1, 2), Bounds())):
-        estimate = step_ekf(estimate, step.frame)
-        escaped = tally.add(step, estimate)
+        escaped = tally.add(step, next(estimates).belief)
         assert not escaped.positions.any()
         if len(tally.table().time) == 3:
             break

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 from helpers.mrclam_folder import BARCODE, CLOCK, HEAD, LANDMARKS, Made, write_run
 
-from experiments.follow.scenarios import initial_headings
+from experiments.logs import initial_headings
 from experiments.real_robots.bounds import DEGREE, Bounds, bound_over
 from experiments.real_robots.data import read_run, read_tables, run_of
 from experiments.real_robots.faults import FAULTS, faulty
 from experiments.real_robots.frames import Start, frames, truth_at
 from experiments.real_robots.motion import Motions
-from filter.errors import InvalidInput
-from filter.geometry.angles import AngularIntervals, wrap
-from filter.measurements import Odometry, Range
+from filter import AngularIntervals, InvalidInput, Odometry, Range, wrap
 from filter.sensing.motion import displacements
 
 FILES = ["Barcodes.dat", "Landmark_Groundtruth.dat", "Robot1_Odometry.dat", "Robot1_Measurement.dat", "Robot2_Groundtruth.dat"]

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from filter.sets.headings import narrowed_headings
 from helpers.worlds import World, of_robot
 
 from filter.errors import Inconsistent
 from filter.measurements import Bearing, Compass, Range
-from filter.sets.headings import narrowed_headings
 from filter.sets.set_membership import SetMembershipFilter
 
 

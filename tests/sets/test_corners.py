@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from filter.sets.corners import corner_rows
 from helpers.worlds import World, escapes, unit
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,7 +12,6 @@ from hypothesis import strategies as st
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.sets.corners import corner_rows
 from filter.sets.set_membership import SetMembershipFilter
 
 SPACING = np.radians(7.5)

@@ -4,18 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from filter.sets.pairs import chosen_pairs, with_pairs
 from helpers.worlds import World, escapes, exact_claim
 from projection.test_exact import EVERYTHING
 from projection.test_team import merged
 
 from filter.linear.constraints import WORLD
 from filter.projection import team as windows
-from filter.projection.polygons_of import NOTHING, Stop, relative_position
-from filter.projection.projector import EXACT, project_all
+from filter.projection.fallback import EXACT, project_all
+from filter.projection.proved import NOTHING, relative_position
+from filter.projection.stop import Stop
 from filter.projection.team import project_pairs
 from filter.projection.window import Window
 from filter.sets.belief import Fallback
-from filter.sets.pairs import chosen_pairs, with_pairs
 from filter.sets.refine import Searched
 from filter.sets.set_membership import SetMembershipFilter
 

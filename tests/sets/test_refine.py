@@ -9,7 +9,7 @@ from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import Candidate
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.sets.belief import Sources
 from filter.sets.refine import regions_at_a_glance, searched
 from filter.sets.set_membership import SetMembershipFilter

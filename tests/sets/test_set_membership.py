@@ -10,7 +10,7 @@ from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Compass, Odometry, Range
-from filter.projection.polygons_of import Stop
+from filter.projection.stop import Stop
 from filter.sets.belief import Source
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -126,7 +126,7 @@ def test_a_bad_start_is_refused(name):
 
 
 def test_a_team_of_no_robots_is_refused():
-    with pytest.raises(InvalidInput, match="at least one robot; came 0 robots"):
+    with pytest.raises(InvalidInput, match="number of robots: whole numbers from 1 to 1000000; came 0"):
         Team(0)
 
 

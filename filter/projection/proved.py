@@ -1,4 +1,4 @@
-"""Projections of the team's polytope onto a plane, from inside and from outside (sections 5 and 6 of the paper).
+"""Projections of a polytope, from inside and from outside, each edge and each point proved (sections 5 and 6 of the paper).
 
 A direction that was maximised gives a point of the projection and a line that supports it. The hull of the points is
 inside, the intersection of the half-planes outside.
@@ -6,105 +6,32 @@ inside, the intersection of the half-planes outside.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, number, read_only, whole
-from filter.errors import InvalidInput
-from filter.geometry.convex import EPSILON
+from filter.arrays import Array, Frozen, Integers
+from filter.geometry.convex import EPSILON, SMALLEST
 from filter.geometry.polygon import Polygon, clip
 from filter.linear.program import LinearProgram
+from filter.projection.claims import Weights
+from filter.projection.stop import Reason
 
 HalfPlanes = tuple[Array, Array]  # normals (k, 2) and offsets (k,)
 NOTHING: HalfPlanes = (np.zeros((0, 2)), np.zeros(0))
 
-Reason = Literal["performance ratio", "area gap", "searches", "time", "exact", "solver"]
-
 # A polygon of less area than this share of its squared size is a segment, to rounding.
 NO_AREA = 1e-12
-# What is divided by is never smaller [m].
-SMALLEST = 1e-100
-
-
-@dataclass(frozen=True)
-class Stop:
-    """When a projection is good enough: at whichever comes first.
-
-    A search ends there. An exact projection is simplified, outward, as far as that; it is never cut short by time.
-
-    Attributes:
-        performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
-        area_gap: Outer area less inner area (eq. 6) [m2], from 0 on.
-        searches: Number of searches, or of edges, from 4 on.
-        seconds: Time since the search began, from 0 on, or None for no limit [s]; it is looked at from the fourth search
-            on. With a limit, results depend on the machine.
-        clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
-
-    Raises:
-        InvalidInput: A number is not finite or out of its range, or there is a time limit without a clock.
-    """
-
-    performance_ratio: float = 0.999
-    area_gap: float = 0.0
-    searches: int = 32
-    seconds: float | None = None
-    clock: Callable[[], float] | None = None
-
-    def __post_init__(self) -> None:
-        number("performance ratio", self.performance_ratio, 0, 1)
-        number("area gap [m2]", self.area_gap, 0)
-        whole("searches", self.searches, low=4)
-        if self.seconds is not None:
-            number("time limit [s]", self.seconds, 0)
-            if self.clock is None:
-                raise InvalidInput("a clock to hold a time limit against", f"{self.seconds} s without one")
-
-    def now(self) -> float:
-        """Return the clock's time [s]; always 0 when there is no time limit."""
-        return 0.0 if self.seconds is None or self.clock is None else self.clock()
-
-    def reason(self, inner_area: float, gap: float, searches: int, began: float = 0.0) -> Reason | None:
-        """Return why to end a search that began at a time of `now` [s], or None to go on."""
-        if inner_area >= self.performance_ratio * (inner_area + gap):
-            return "performance ratio"
-        if gap <= self.area_gap:
-            return "area gap"
-        if searches >= self.searches:
-            return "searches"
-        return "time" if self.seconds is not None and self.now() - began >= self.seconds else None
-
-
-class Weights(NamedTuple):
-    """Which rows of a program prove which directions: triples, all weights above 0.
-
-    Attributes:
-        direction: (m,) which of the directions.
-        row: (m,) which row of the program.
-        weight: (m,) the row's multiplier in the direction's proof.
-    """
-
-    direction: Integers
-    row: Integers
-    weight: Array
-
-    @classmethod
-    def of(cls, multipliers: Array) -> Weights:
-        """Return what is not zero of (s, r) multipliers."""
-        direction, row = np.nonzero(multipliers)
-        return cls(direction, row, multipliers[direction, row])
 
 
 @dataclass(frozen=True, eq=False)
-class Projection:
+class Projection(Frozen):
     """What is known of a projection after some searches.
 
     Attributes:
         outer: Contains the projection: proved.
-        edges: (e,) the search behind each edge of the outer polygon; from s on the known half-planes; negative for an
-            edge of the program's box.
+        edges: (e,) the search behind each edge of the outer polygon; from s on the known half-planes, and then the sides of
+            the program's box.
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
         directions: (s, 2) searched directions, or normals of the exact edges that were kept, of length 1.
         weights: The proof of each direction's edge.
@@ -125,10 +52,6 @@ class Projection:
     outer_areas: Array
     reason: Reason
     looseness: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("edges", "directions", "inner_areas", "outer_areas"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def searches(self) -> int:
@@ -187,18 +110,21 @@ def looseness(program: LinearProgram, D: Array, directions: Array, points: Array
 def outer_polygon(program: LinearProgram, D: Array, edges: HalfPlanes, known: HalfPlanes) -> tuple[Polygon, Integers]:
     """Return a polygon around the projection {D x}, and what is behind each of its edges.
 
-    That is one of the s proved edges, from s on one of the half-planes that are known to contain the projection anyway,
-    or, negative, a side of the program's box.
+    That is one of the s proved edges, from s on one of the k half-planes that are known to contain the projection anyway,
+    and from s + k on a side of the program's box.
     """
     middle, reach = D @ program.centre, np.abs(D) @ program.radius
     terms = 4 + np.count_nonzero(D, axis=1)
     reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
     normals, offsets = np.concatenate([edges[0], known[0]]), np.concatenate([edges[1], known[1]])
     kept = clip(normals, offsets, middle - reach, middle + reach)
-    if kept is None:  # the set is empty, which nobody has proved with names; what was known and the box contain it, too
-        kept = clip(known[0], known[1], middle - reach, middle + reach)
-        kept = kept and (kept[0], np.where(kept[1] >= 0, kept[1] + len(edges[0]), kept[1]))
-    return kept or (Polygon.box(middle - reach, middle + reach), np.arange(-4, 0))
+    if kept is not None:
+        return kept
+    # The set is empty, which nobody has proved with names; what was known and the box contain it, too.
+    kept = clip(known[0], known[1], middle - reach, middle + reach)
+    if kept is not None:
+        return kept[0], kept[1] + len(edges[0])
+    return Polygon.box(middle - reach, middle + reach), len(offsets) + np.arange(4)
 
 
 def _rounding_of_objectives(program: LinearProgram, D: Array, directions: Array) -> Array:

@@ -10,17 +10,21 @@ from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, intersection
+from filter.linear.polytope import Polytope
+from filter.linear.sources import Source, Sources
 from filter.measurements import Bearing, Compass, Measurement
 from filter.sensing.rows import heading_arcs_of_bearing, heading_arcs_of_compass, spans_of_targets
-from filter.sets.belief import Belief, Source, Sources
 
 
-def narrowed_headings(belief: Belief, measurements: Sequence[Measurement], landmarks: Array) -> AngularIntervals:
+def narrowed_headings(
+    headings: AngularIntervals, polytope: Polytope, measurements: Sequence[Measurement], landmarks: Array
+) -> AngularIntervals:
     """Return the (n) headings after compasses, and bearings to targets whose direction is roughly known [rad].
 
     Args:
-        belief: What is known before.
-        measurements: Of its time; ranges say nothing here.
+        headings: (n) what is known of them before.
+        polytope: Where the robots are, as far as is known before.
+        measurements: Of that time; ranges say nothing here.
         landmarks: (l, 2) their positions [m].
 
     Raises:
@@ -32,11 +36,11 @@ def narrowed_headings(belief: Belief, measurements: Sequence[Measurement], landm
             arcs.append(heading_arcs_of_compass(record))
             sources, _ = sources.extended("compass", record.time, record.robot)
         elif isinstance(record, Bearing):
-            spans = spans_of_targets(belief.polytope, landmarks, record.robot, record.target)
+            spans = spans_of_targets(polytope, landmarks, record.robot, record.target)
             arcs.append(heading_arcs_of_bearing(record, spans))
             sources, _ = sources.extended("bearing", record.time, record.robot, record.target)
     centre, bound = np.concatenate([each.centre for each in arcs]), np.concatenate([each.bound for each in arcs])
-    return _narrowed(belief.headings, AngularIntervals(centre, bound), sources)
+    return _narrowed(headings, AngularIntervals(centre, bound), sources)
 
 
 def _narrowed(headings: AngularIntervals, arcs: AngularIntervals, sources: Sources) -> AngularIntervals:

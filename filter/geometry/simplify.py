@@ -1,0 +1,114 @@
+"""Which edges of a convex polygon to leave out so that it grows by little, and which vertices so that it shrinks by little."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from filter.arrays import Array, Mask
+from filter.compiled import compiled
+
+
+@compiled
+def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> tuple[Mask, float]:
+    """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
+
+    Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
+    the budget, or all that went add no more than the allowance.
+
+    Args:
+        normals: (e, 2) counter-clockwise.
+        offsets: (e,) best from a point inside, for the rounding [m].
+        removable: (e,) the others stay, and count nothing.
+        budget: How many of them may stay.
+        allowance: How much area may be added anyway [m2]; negative for none.
+    """
+    count = len(offsets)
+    keep = np.ones(count, dtype=np.bool_)
+    if not count:
+        return keep, 0.0
+    before, after = np.arange(-1, count - 1), np.arange(1, count + 1)
+    before[0], after[count - 1] = count - 1, 0
+    added = np.full(count, np.inf)
+    for k in range(count):
+        if removable[k]:
+            added[k] = _added_area(normals, offsets, before[k], k, after[k])
+    left, spent = removable.sum(), 0.0
+    while left:
+        least = -1
+        for k in range(count):
+            if keep[k] and removable[k] and (least < 0 or added[k] < added[least]):
+                least = k
+        if left <= budget and not spent + added[least] <= allowance:
+            break
+        keep[least] = False
+        left -= 1
+        spent += added[least]
+        last, following = before[least], after[least]
+        after[last], before[following] = following, last
+        for k in (last, following):
+            if removable[k]:
+                added[k] = _added_area(normals, offsets, before[k], k, after[k])
+    return keep, spent
+
+
+@compiled
+def vertices_worth_keeping(vertices: Array, allowance: float) -> Mask:
+    """Return which vertices of a convex polygon to keep so that little area is cut off, as above for edges.
+
+    Args:
+        vertices: (e, 2) counter-clockwise; some may coincide [m].
+        allowance: How much area may be cut off in all [m2].
+    """
+    count = len(vertices)
+    keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
+    if count <= 3:
+        return keep
+    before[0], after[count - 1] = count - 1, 0
+    cut = np.empty(count)
+    for k in range(count):
+        cut[k] = _triangle(vertices, before[k], k, after[k])
+    left, spent = count, 0.0
+    while left > 3:
+        least = -1
+        for k in range(count):
+            if keep[k] and (least < 0 or cut[k] < cut[least]):
+                least = k
+        spent += cut[least]
+        if not spent <= allowance:
+            break
+        keep[least], left = False, left - 1
+        last, following = before[least], after[least]
+        after[last], before[following] = following, last
+        for k in (last, following):
+            cut[k] = _triangle(vertices, before[k], k, after[k])
+    return keep
+
+
+@compiled
+def _triangle(vertices: Array, a: int, b: int, c: int) -> float:
+    """Return the area between three vertices [m2]."""
+    x0, y0 = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1]
+    x1, y1 = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1]
+    return abs(x0 * y1 - x1 * y0) / 2
+
+
+@compiled
+def _added_area(normals: Array, offsets: Array, before: int, edge: int, after: int) -> float:
+    """Return the area of the triangle that removing an edge adds; infinite where its neighbours do not meet beyond it [m2]."""
+    starts, x0, y0 = _meet(normals, offsets, before, edge)
+    ends, x1, y1 = _meet(normals, offsets, edge, after)
+    meets, x2, y2 = _meet(normals, offsets, before, after)
+    if not (starts and ends and meets):
+        return np.inf
+    return abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
+
+
+@compiled
+def _meet(normals: Array, offsets: Array, first: int, second: int) -> tuple[bool, float, float]:
+    """Return whether a second line turns left of the first by less than half a turn, and where they meet."""
+    a, b, c = normals[first, 0], normals[first, 1], offsets[first]
+    d, e, f = normals[second, 0], normals[second, 1], offsets[second]
+    turn = a * e - b * d
+    if turn <= 0:
+        return False, 0.0, 0.0
+    return True, (c * e - b * f) / turn, (a * f - c * d) / turn

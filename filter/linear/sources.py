@@ -1,0 +1,68 @@
+"""What produced a constraint: the table that the rows' source numbers point into."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+
+from filter.arrays import Array, Floats, Integers, Table
+
+Kind = Literal["initial set", "compass", "bearing", "range", "sighting", "odometry", "heading", "region"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+NOBODY = -1  # the target of what has none
+
+
+@dataclass(frozen=True)
+class Source:
+    """What produced a constraint.
+
+    Attributes:
+        kind: A measurement ("compass", "bearing", "range", or "sighting" for a bearing with its range), a motion
+            ("odometry"), or what was known before: an "initial set", a "heading", or a "region", an earlier outer polygon.
+        time: When [s].
+        robot: Who measured, or whose region or heading it is.
+        target: What was measured, or None.
+    """
+
+    kind: Kind
+    time: float
+    robot: int
+    target: int | None = None
+
+    def __str__(self) -> str:
+        who = f"robot {self.robot}" + (f" to {self.target}" if self.target is not None else "")
+        return f"{self.kind} of {who} at {self.time:.3f} s"
+
+
+def _none() -> Integers:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Sources(Table):
+    """Sources as a table.
+
+    Attributes:
+        kind: (k,) index into KINDS.
+        time: (k,) [s].
+        robot: (k,) who.
+        target: (k,) what, NOBODY for nothing.
+    """
+
+    kind: Integers = field(default_factory=_none)
+    time: Array = field(default_factory=lambda: np.zeros(0))
+    robot: Integers = field(default_factory=_none)
+    target: Integers = field(default_factory=_none)
+
+    def __getitem__(self, number: int) -> Source:
+        target = int(self.target[number])
+        who, what = int(self.robot[number]), None if target == NOBODY else target
+        return Source(KINDS[self.kind[number]], float(self.time[number]), who, what)
+
+    def extended(self, kind: Kind, time: float, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
+        """Return the table with (k) more entries, and their numbers."""
+        robots, targets = np.broadcast_arrays(np.asarray(robot, dtype=np.int64), np.asarray(target, dtype=np.int64))
+        more = Sources(np.full(len(robots), KINDS.index(kind)), np.full(len(robots), time), robots, targets)
+        return Sources.concatenate([self, more]), np.arange(len(self), len(self) + len(robots))

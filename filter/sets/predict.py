@@ -1,0 +1,72 @@
+"""Where the team can be after a motion: the Minkowski sum of the polytope and of the sets of displacements.
+
+Every row is moved outward by as much as the robots can have gone in its own direction. Where two of them meet in a corner, the
+moved ones meet in a mitre, farther out than any point of the corner has gone. The sum of two polygons has the edge normals of
+both; so rows through the corners, in the normals of the displacements' own edges, are moved as well. They follow from the two.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from filter.arrays import Array, Integers
+from filter.errors import Inconsistent
+from filter.geometry.polygon import SIDES
+from filter.linear.constraints import WORLD, Constraints
+from filter.linear.implied import imply
+from filter.linear.polytope import Polytope
+from filter.linear.sources import Source, Sources
+from filter.sensing.motion import Displacements
+from filter.sets.belief import Belief
+
+
+def moved(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Polytope, Sources]:
+    """Return a belief's polytope after its robots have moved, within the arena (2, 2) [m], and its table of sources.
+
+    Raises:
+        Inconsistent: A robot has left the arena for sure.
+    """
+    polytope, sources = belief.polytope, belief.sources
+    lower, upper = _moved_box(belief, time, moves, arena)
+    corners, sources = rows_through_corners(belief, moves, sources)
+    rows = Constraints.concatenate([polytope.constraints, corners])
+    return Polytope(moves.moved(rows), lower, upper, polytope.origin), sources
+
+
+def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources) -> tuple[Constraints, Sources]:
+    """Return rows through corners of the polygons of all robots and pairs that the last update proved something of.
+
+    Their normals are those of the edges of what the robots' displacements, or the differences of those, can be.
+    """
+    polytope, nobody = belief.polytope, np.zeros((0, 2), dtype=np.int64)
+    proved = [np.stack([proof.i, proof.j], axis=1) for proof in belief.proofs]
+    i, j = np.ascontiguousarray(np.unique(np.concatenate([nobody, *proved]), axis=0).T)
+    normals = moves.normals
+    wanted = np.concatenate([normals[j], np.where((i != WORLD)[:, None, None], -normals[i], np.nan)], axis=1)
+    whose, which = np.nonzero(np.isfinite(wanted[:, :, 0]))
+    directions = wanted[whose, which]
+    clipped, offsets = polytope.of(i, j), np.empty(len(whose))
+    unused = np.empty((len(whose), 2), dtype=np.int64), np.empty((len(whose), 2))
+    outlines = clipped.polygons.normals, clipped.polygons.vertices, clipped.behind, clipped.polygons.first
+    box = polytope.lower, polytope.upper
+    imply((offsets, *unused), (i, j), outlines, (whose, directions), polytope.constraints.rows, box)
+    table, numbers = sources.extended("region", belief.time, j, i)
+    return Constraints(i[whose], j[whose], directions, offsets, numbers[whose]), table
+
+
+def _moved_box(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Array, Array]:
+    robots = np.arange(len(belief.headings))
+    right, top, left, bottom = (moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES)
+    lower = _outward(belief.polytope.lower, -np.stack([left, bottom], axis=1), -np.inf)
+    upper = _outward(belief.polytope.upper, np.stack([right, top], axis=1), np.inf)
+    lower, upper = np.maximum(lower, arena[0]), np.minimum(upper, arena[1])
+    outside: Integers = np.flatnonzero((lower > upper).any(axis=1))
+    if len(outside):
+        robot = int(outside[0])
+        raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
+    return lower, upper
+
+
+def _outward(corner: Array, by: Array, outward: float) -> Array:
+    """Return corners moved by so much, rounded outward (an infinity); those that do not move stay as they are."""
+    return np.asarray(np.where(by == 0, corner, np.nextafter(corner + by, outward)))

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from experiments.warm_up import main
+
 ROOT = Path(__file__).parents[2]
 
 # Follows scenes that are unlike that of the warm-up, and names the compiled functions that get another form on the way.
@@ -74,3 +76,10 @@ def test_after_a_warm_up_nothing_is_compiled_or_loaded_whatever_is_followed():
 
 def test_a_filter_loads_no_solver_before_it_is_needed():
     assert said(LIGHT) == ["[]", "[]"]
+
+
+def test_the_command_says_how_long_it_took(capsys):
+    assert main([]) == 0
+    capsys.readouterr()
+    assert main([]) == 0
+    assert "0 functions compiled" in capsys.readouterr().err

@@ -192,7 +192,7 @@ def test_an_ellipse_of_no_size_is_a_point():
     places, sizes = [[3.0, 0.0], [0.0, 0.0]], [np.eye(2), np.diag([1e-200, 1e90])]
     (alarm,) = watch(belief, places, sizes, 0.0)
     assert alarm.robot == 0 and alarm.everything and alarm.distance == pytest.approx(2.0)
-    (tiny,) = watch(belief, places, np.array(sizes) * 1e-90)
+    (tiny,) = watch(belief, places, np.array(sizes) * [[[1e-310]], [[1e-90]]])
     assert tiny.distance == pytest.approx(2.0) and tiny.normal.tolist() == [1.0, 0.0]
 
 

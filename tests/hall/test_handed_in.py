@@ -120,6 +120,13 @@ def test_no_array_of_the_callers_is_kept_or_made_read_only(make):
     assert snapshot(made) == before
 
 
+@pytest.mark.parametrize("masked", [np.ma.array([0, 1], mask=[0, 1]), np.ma.array([0, 1]), [np.ma.array([0, 1])] * 2])
+def test_a_masked_array_is_refused_with_what_to_do(masked):
+    for call in (lambda: Compass(0, masked, 0, 0.1), lambda: Compass(0, 0, masked, 0.1), lambda: Team(2, masked)):
+        with pytest.raises(InvalidInput, match=r"none of them masked \(fill or drop those\); came \[?masked_array"):
+            call()
+
+
 def test_no_list_of_the_callers_is_kept():
     fallbacks, said = ["piqp"], records(0.0)
     sets, frame = SetMembershipFilter(TEAM, fallbacks=fallbacks), Frame(0.0, None, said)

@@ -106,8 +106,7 @@ def floats(name: str, values: Floats, expected: str = "numbers") -> Array:
     """
     array = np.array(values) if type(values) is np.ndarray and values.dtype == FLOAT else _as_floats(values)
     if array is None:
-        masked = ", none of them masked (fill or drop those)" * _masked(values)
-        raise InvalidInput(f"{name}: {expected}{masked}", shown(values))
+        raise _refused(f"{name}: {expected}", values)
     return array
 
 
@@ -116,13 +115,18 @@ def _as_floats(values: Floats) -> Array | None:
     try:
         array = np.array(values)
         real = array.dtype.kind in "fiu" or (array.dtype.kind == "O" and all(map(_is_real, array.flat)))
-        return array.astype(FLOAT) if real and not _masked(values) else None
+        return array.astype(FLOAT, copy=False) if real and not _masked(values) else None
     except Exception:  # numpy's errors, and whatever a caller's own class raises
         return None
 
 
 def _is_real(value: Any) -> bool:
     return isinstance(value, REAL) and not isinstance(value, NOT_REAL)
+
+
+def _refused(expected: str, values: Any) -> InvalidInput:
+    masked = ", none of them masked (fill or drop those)" if _masked(values) else ""
+    return InvalidInput(expected + masked, shown(values))
 
 
 def _masked(values: Any, depth: int = 3) -> bool:
@@ -184,9 +188,9 @@ def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Intege
     try:
         array = np.array(values)
     except Exception:  # numpy's errors, and whatever a caller's own class raises
-        raise InvalidInput(expected, shown(values)) from None
+        raise _refused(expected, values) from None
     if (array.dtype.kind not in "iu" and (array.size or array.dtype.kind != "f")) or _masked(values):
-        raise InvalidInput(expected, shown(values))
+        raise _refused(expected, values)
     right = array >= low
     if high < MAX_INDEX or array.dtype.kind == "u":
         right &= array <= high

@@ -17,8 +17,8 @@ from filter.sets.belief import Belief
 SAME_DIRECTION = 1e-6
 # A covariance whose halves differ by more than this share is none.
 SYMMETRIC = 1e-9
-# An ellipse that is flatter than this counts as one that is just so flat.
-FLATTEST = 1e-100
+# An ellipse that is thinner than this counts as one that is just so thin, as a point does [m].
+THINNEST = 1e-100
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +114,8 @@ def _separating_normal(polygon: Polygon, point: Array, root: Array) -> Array | N
 
     It is a candidate: whether the line separates is judged afterwards.
     """
-    units = np.abs(root).max() or 1.0  # an ellipse of any size has the same normals
     with np.errstate(over="ignore", invalid="ignore"):
-        whitening = np.linalg.inv(root / units + FLATTEST * np.eye(2))
+        whitening = np.linalg.inv(root + THINNEST * np.eye(2))
         corners = (polygon.vertices - point) @ whitening.T
         edges = np.roll(corners, -1, axis=0) - corners
         lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)

@@ -15,7 +15,7 @@ CROOKED = {
     "nothing": (np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2))),
     "a half-plane": (NORMALS[:1], OFFSETS[:1], VERTICES[:1]),
     "a strip": (NORMALS[::2], OFFSETS[::2], [[1.0, 0.0], [-1.0, 0.0]]),
-    "a line": (NORMALS[[0, 0, 2, 2]], np.zeros(4), [[0.0, 0.0], [0.0, 1.0], [0.0, 1.0], [0.0, 0.0]]),
+    "a line": ([[1.0, 0.0], [-1.0, -0.0]], np.zeros(2), [[0.0, 0.0], [0.0, 1.0]]),
     "open on one side": (NORMALS[:3], OFFSETS[:3], VERTICES[:3]),
     "an empty set": (NORMALS, [-2.0, 1.0, -2.0, 1.0], VERTICES),
     "vertices elsewhere": (NORMALS, OFFSETS, VERTICES + 0.01),

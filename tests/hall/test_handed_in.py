@@ -120,6 +120,13 @@ def test_no_array_of_the_callers_is_kept_or_made_read_only(make):
     assert snapshot(made) == before
 
 
+@pytest.mark.parametrize("masked", [np.ma.array([0, 1], mask=[0, 1]), np.ma.array([0, 1]), [np.ma.array([0, 1])] * 2])
+def test_a_masked_array_is_refused_with_what_to_do(masked):
+    for call in (lambda: Compass(0, masked, 0, 0.1), lambda: Compass(0, 0, masked, 0.1), lambda: Team(2, masked)):
+        with pytest.raises(InvalidInput, match=r"none of them masked \(fill or drop those\); came \[?masked_array"):
+            call()
+
+
 def test_no_list_of_the_callers_is_kept():
     solvers, said = ["piqp"], records(0.0)
     sets, frame = SetMembershipFilter(TEAM, solvers=solvers), Frame(0.0, None, said)
@@ -192,7 +199,7 @@ def test_an_ellipse_of_no_size_is_a_point():
     places, sizes = [[3.0, 0.0], [0.0, 0.0]], [np.eye(2), np.diag([1e-200, 1e90])]
     (alarm,) = watch(belief, places, sizes, 0.0)
     assert alarm.robot == 0 and alarm.everything and alarm.distance == pytest.approx(2.0)
-    (tiny,) = watch(belief, places, np.array(sizes) * 1e-90)
+    (tiny,) = watch(belief, places, np.array(sizes) * [[[1e-310]], [[1e-90]]])
     assert tiny.distance == pytest.approx(2.0) and tiny.normal.tolist() == [1.0, 0.0]
 
 

@@ -71,6 +71,7 @@ NO_NUMBERS = {
     "texts": lambda: np.array(["1", "2"]),
     "text among numbers": lambda: [1.0, "2"],
     "text in an object array": lambda: np.array([1, "2"], dtype=object),
+    "truth in an object array": lambda: np.array([0.5, True], dtype=object),
     "nothing among numbers": lambda: [1.0, None],
     "truths": lambda: np.array([True, False]),
     "uneven rows": lambda: [[1.0], [1.0, 2.0]],

@@ -12,7 +12,7 @@ from time import perf_counter
 
 from experiments.show.command import command
 from experiments.show.terminal import tell
-from filter.warm_up import warm_up
+from filter import warm_up
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Integers, function, instance, number, settle, shown, whole_number
+from filter.arrays import Integers, function, instance, number, settle, shown, whole, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons

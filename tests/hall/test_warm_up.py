@@ -32,7 +32,7 @@ for seed, (robots, landmarks, compasses) in enumerate(SCENES):
         SetMembershipFilter,
         lambda team: SetMembershipFilter.light(team, scope=Window(2)),
         lambda team: SetMembershipFilter(team, policy="reject", pairs=3),
-        lambda team: SetMembershipFilter(team, solver="highs-simplex"),
+        lambda team: SetMembershipFilter(team, exact=False, solvers=("highs-simplex",)),
         RobustFilter,
     ):
         errors = "extreme" if seed % 2 else "uniform"
@@ -59,7 +59,7 @@ SOLVERS = {"piqp", "qpsolvers", "highspy", "scipy.stats", "scipy.optimize", "sci
 f.RobustFilter(f.Team(1))
 f.SetMembershipFilter(f.Team(1))
 print(sorted(SOLVERS & sys.modules.keys()))
-f.SetMembershipFilter(f.Team(1), solver="piqp")
+f.SetMembershipFilter(f.Team(1), exact=False, solvers=("piqp", "highs-simplex", "highs"))
 print(sorted(SOLVERS & sys.modules.keys()))
 """
 

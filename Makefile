@@ -23,7 +23,8 @@ venv: .venv/ready
 		|| { echo "Python 3.11 or later is needed; try make PYTHON=python3.12"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m experiments.warm_up
 	@touch $@
 
 clean:
-	rm -rf .venv runs
+	rm -rf .venv runs filter/__pycache__

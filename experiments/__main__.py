@@ -9,6 +9,7 @@ HERE = Path(__file__).parent
 # In the order in which they are best read.
 TOUR = ("one_robot", "team", "own_log", "rejected_lie", "no_compass", "watching", "large_team", "late_records")
 QUESTIONS = {
+    "Before all others": ("warm_up",),
     "A moving team": ("moving_team", "prove", "watch"),
     "Against a Kalman filter": ("ekf_comparison",),
     "Real robots": ("mrclam", "mrclam_sweep", "mrclam_margins", "calibrate"),

@@ -14,7 +14,6 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
 from rich.table import Table
 
 from experiments.against_ekf.figures import LOOK
@@ -32,7 +31,7 @@ from experiments.real_robots.frames import frames
 from experiments.show.colours import colour_of
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import Counting, print_table, show_table
+from experiments.show.terminal import Counting, Terminal, print_table, show_table
 from filter import InvalidInput, Team
 
 ANGLES = ("bearing", "compass", "turn")
@@ -104,7 +103,7 @@ def run(options: Options) -> int:
     if judged.proposed:
         text = "\n".join(said(bounds) for bounds in judged.proposed)
         (folder / "bounds.txt").write_text(text + "\n", encoding="utf-8")
-        Console().print(text, highlight=False, soft_wrap=True)
+        Terminal().print(text, highlight=False, soft_wrap=True)
     return 0
 
 

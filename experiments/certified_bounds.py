@@ -17,7 +17,6 @@ from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
-from rich.console import Console
 from rich.progress import track
 from scipy import sparse
 
@@ -27,7 +26,7 @@ from experiments.follow.simulated import from_simulator
 from experiments.follow.steps import steps
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import print_table
+from experiments.show.terminal import Terminal, print_table
 from filter import Array, Belief, Mask, SetMembershipFilter
 from filter.geometry.polygon import SIDES
 from filter.linear.program import LinearProgram
@@ -177,7 +176,7 @@ def cost(belief: Belief) -> tuple[float, float, float]:
 
 
 def _tracked(items: Iterable[T], what: str, count: int | None) -> Iterable[T]:
-    return track(items, what, total=count, console=Console(stderr=True))
+    return track(items, what, total=count, console=Terminal(stderr=True))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from experiments.against_ekf.figures import draw_all, nees_band
@@ -28,7 +27,7 @@ from experiments.follow.side_by_side import SERIES, Case, compare
 from experiments.paper.merge_orders import compare_orders
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import print_table, tell
+from experiments.show.terminal import Terminal, print_table, tell
 from experiments.sweep.executors import executor
 from experiments.sweep.results import Result, Results, carry_out
 from sim.errors import ERROR_KINDS
@@ -108,7 +107,7 @@ def fingerprint(options: Options) -> dict[str, Any]:
 def sweep(options: Options, results: Results, cases: Mapping[str, Case]) -> None:
     """Compute the runs that are missing, with a progress bar."""
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("runs"), TimeElapsedColumn(), TimeRemainingColumn())
-    with executor(options.workers, options.scheduler) as pool, Progress(*columns, console=Console(stderr=True)) as progress:
+    with executor(options.workers, options.scheduler) as pool, Progress(*columns, console=Terminal(stderr=True)) as progress:
         for _ in progress.track(carry_out(results, pool, compare, cases), total=len(cases)):
             pass
 

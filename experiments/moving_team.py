@@ -15,7 +15,7 @@ from pathlib import Path
 from experiments.follow.metrics import Escapes, Metrics, Value
 from experiments.follow.scenarios import Scenario, from_log
 from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import Contacts, steps
+from experiments.follow.steps import Contacts, steps, warmed_up
 from experiments.logs import Certificates, LogWriter
 from experiments.show.command import command
 from experiments.show.output import Trajectories, output_folder, write_summary
@@ -152,8 +152,6 @@ class Following:
         self._scenario, team = scenario, scenario.team
         self._contacts = Contacts(team)
         self._picture = scenario.picture if options.camera else None
-        self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
-        self._trajectories = Trajectories(folder, team)
         self._recording = Recording(
             folder / "moving_team.rrd",
             team,
@@ -164,6 +162,8 @@ class Following:
             inside=options.hops is None,
             viewer=viewer,
         )
+        self._trajectories = Trajectories(folder, team)
+        self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
         self._certificates = Certificates(folder) if options.certificates else None
         self._pictured = -PICTURE_EVERY
 
@@ -219,6 +219,7 @@ def summary_of(options: Options, scenario: Scenario, metrics: Metrics) -> dict[s
         "policy": options.policy,
         "measurements_mode": options.measurements if simulated else None,
         "replay": None if simulated else str(options.replay),
+        "warm_up_s": warmed_up(),
         **metrics.summary(),
     }
 

@@ -19,7 +19,7 @@ from experiments.follow.ellipses import WIDE_SIZE
 from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value
 from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps
+from experiments.follow.steps import steps, warmed_up
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import RobotLog, Run, read_tables, run_of
 from experiments.real_robots.faults import faulty
@@ -89,7 +89,8 @@ def run(options: Options) -> int:
     table = following.tally.table()
     found = summary_of(table, options.start, following.tally.resets)
     aside = following.tally.put_aside
-    summary = header_of(options, data, robots) | found | {"sensors_put_aside": len(aside), "put_aside": "; ".join(aside)}
+    told: dict[str, Value] = {"sensors_put_aside": len(aside), "put_aside": "; ".join(aside), "warm_up_s": warmed_up()}
+    summary = header_of(options, data, robots) | found | told
     write_summary(folder, summary)
     draw_all(folder, table, scenario.team)
     print_table(f"mrclam, in {folder}", summary)

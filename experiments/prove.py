@@ -8,15 +8,18 @@ y >= 0 of the rows A x <= b, and c the normal in the robots' coordinates,
 c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; the claim is proved if that is no greater than its
 offset. Then each step is tied to what came before it: see `experiments.proof.chain`.
 
-Exit code: 0 if everything is proved, 1 at the first line or link that is not, 2 if there is no such file.
+Exit code: 0 if everything is proved, 1 at the first line or link that is not, 2 if there is no such file, 3 if the verdict
+cannot be written.
 """
 
 import argparse
 import gzip
 import json
+import os
 import sys
 import zlib
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TextIO
@@ -72,9 +75,14 @@ def lines(path: Path, out: TextIO) -> Iterator[dict[str, Any]]:
             done = BAR * packed.tell() // max(size, 1)
             if done != shown:
                 shown = done
-                out.write(f"\r[{'#' * done}{'.' * (BAR - done)}]")
-                out.flush()
-    out.write("\n")
+                _show(out, f"\r[{'#' * done}{'.' * (BAR - done)}]")
+    _show(out, "\n")
+
+
+def _show(out: TextIO, text: str) -> None:
+    with suppress(OSError):  # nobody looks
+        out.write(text)
+        out.flush()
 
 
 def steps(found: Iterator[dict[str, Any]], count: list[int]) -> Iterator[list[dict[str, Any]]]:
@@ -121,18 +129,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, help="a folder with certificates.jsonl.gz, from a run with --certificates")
     folder = parser.parse_args(arguments).folder
     try:
+        code, verdict = judged(folder)
+        sys.stdout.write(verdict + "\n")
+        sys.stdout.flush()
+    except OSError as error:
+        if error.filename:  # it is the file that is read
+            sys.stderr.write(f"error: {error.filename}: {error.strerror}\n")
+            return 2
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python fails at its end on what waits there
+        with suppress(OSError):
+            sys.stderr.write(f"error: the verdict cannot be written: {error.strerror}\n")
+        return 3
+    return code
+
+
+def judged(folder: Path) -> tuple[int, str]:
+    """Return the exit code and the verdict on a folder's certificates.
+
+    Raises:
+        OSError: There is no such file.
+    """
+    try:
         count, chain = prove(folder, sys.stderr)
     except Broken as error:
-        sys.stdout.write(f"not proved: {error}\n")
-        return 1
+        return 1, f"not proved: {error}"
     except (EOFError, zlib.error, gzip.BadGzipFile, json.JSONDecodeError, UnicodeDecodeError) as error:
-        sys.stdout.write(f"not proved: the file is damaged: {error}\n")
-        return 1
-    except OSError as error:
-        sys.stderr.write(f"error: {error.filename or folder}: {error.strerror}\n")
-        return 2
-    sys.stdout.write("\n".join([*chain.report(), f"{count} certificates proved, 0 failed"]) + "\n")
-    return 0
+        return 1, f"not proved: the file is damaged: {error}"
+    return 0, "\n".join([*chain.report(), f"{count} certificates proved, 0 failed"])
 
 
 if __name__ == "__main__":

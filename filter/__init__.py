@@ -3,13 +3,13 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, compiled, geometry/, measurements, frame, team, linear/, sensing/,
-projection/, sets/, robust/, follow, lag, ekf, watch.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, frame, team, linear/,
+sensing/, projection/, sets/, robust/, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
-from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
+from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange, Unbounded
 from filter.follow import AnyBelief, Filter, Step, follow
 from filter.frame import Frame, Truth
 from filter.geometry.angles import AngularIntervals, wrap
@@ -29,6 +29,7 @@ from filter.sets.events import Event, Fallback, Rejected
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
 from filter.team import Team
+from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
 __all__ = [
@@ -63,6 +64,7 @@ __all__ = [
     "NoiseModel",
     "Odometry",
     "OutOfOrder",
+    "OutOfRange",
     "Policy",
     "Polygon",
     "Proof",
@@ -86,6 +88,7 @@ __all__ = [
     "Unbounded",
     "Window",
     "follow",
+    "warm_up",
     "watch",
     "wrap",
 ]

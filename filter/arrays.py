@@ -1,23 +1,44 @@
-"""Array types, the base of records made of arrays, and the checks that every record shares."""
+"""Array types, the base of records made of arrays, and the checks of everything that is handed in."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from filter.errors import InvalidInput
+from filter.errors import InvalidInput, OutOfRange
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Floats = ArrayLike
 
+# Beyond this a product of two lengths can overflow; nothing a robot measures is near it.
+LARGEST = 1e100
+# No team has more: a larger number is a slip, and would fill the memory.
+MOST_ROBOTS = 1_000_000
+MAX_INDEX = np.iinfo(np.int64).max
+FLOAT = np.dtype(np.float64)
+# So many characters of what came are shown.
+SHOWN = 120
+REAL = (int, float, Fraction, Decimal, np.integer, np.floating)
+NOT_REAL = (bool, np.timedelta64)  # though they are integers to Python and to numpy
+
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the array itself, made read-only, or a read-only copy of a view."""
+    """Return the array itself, made read-only, or a read-only copy of a view.
+
+    For arrays that were just made: what a caller may still write to is copied first, as `finite` and `whole` do.
+
+    Raises:
+        InvalidInput: It is no array.
+    """
+    if not isinstance(values, np.ndarray):
+        raise InvalidInput("a numpy array", shown(values))
     owned = values if values.flags.owndata else values.copy()
     owned.flags.writeable = False
     return owned
@@ -60,50 +81,190 @@ class Table(Frozen):
 LARGEST = 1e100
 
 
+def settle(record: object, **checked: Any) -> None:
+    """Set fields of a frozen record to their checked values."""
+    for name, value in checked.items():
+        object.__setattr__(record, name, value)
+
+
+def shown(value: Any) -> str:
+    """Return a value as one line of text that is not too long, whatever it is."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # a caller's own class can raise anything
+        text = "what cannot be shown"
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}... ({type(value).__name__})"
+
+
+def floats(name: str, values: Floats, expected: str = "numbers") -> Array:
+    """Return a copy of real numbers as floats, infinite ones and NaN included.
+
+    Ints, Fractions, Decimals and numpy's numbers are real numbers, alone, in arrays or in lists; text is none, nor is True.
+
+    Raises:
+        InvalidInput: A value is no real number, or masked.
+    """
+    array = np.array(values) if type(values) is np.ndarray and values.dtype == FLOAT else _as_floats(values)
+    if array is None:
+        raise _refused(f"{name}: {expected}", values)
+    return array
+
+
+def _as_floats(values: Floats) -> Array | None:
+    """Return real numbers as floats, None where one is none."""
+    try:
+        array = np.array(values)
+        real = array.dtype.kind in "fiu" or (array.dtype.kind == "O" and all(map(_is_real, array.flat)))
+        return array.astype(FLOAT, copy=False) if real and not _masked(values) else None
+    except Exception:  # numpy's errors, and whatever a caller's own class raises
+        return None
+
+
+def _is_real(value: Any) -> bool:
+    return isinstance(value, REAL) and not isinstance(value, NOT_REAL)
+
+
+def _refused(expected: str, values: Any) -> InvalidInput:
+    masked = ", none of them masked (fill or drop those)" if _masked(values) else ""
+    return InvalidInput(expected + masked, shown(values))
+
+
+def _masked(values: Any, depth: int = 3) -> bool:
+    """Return whether something is, or holds, an array whose mask would be lost."""
+    if isinstance(values, list | tuple) and depth:
+        return any(_masked(value, depth - 1) for value in values)
+    return isinstance(values, np.ma.MaskedArray)
+
+
 def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf) -> Array:
-    """Return the values as floats, all finite and within [low, high].
+    """Return a copy of the values as floats, all finite and within [low, high]; see `floats` for what numbers are.
 
     Raises:
         InvalidInput: A value is not a number, not finite, or outside.
     """
-    limits = f" within [{low:g}, {high:g}]" if np.isfinite([low, high]).any() else ""
-    expected = f"{name}: finite numbers{limits}"
-    try:
-        array = np.array(values, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(expected, repr(values)) from None
-    wrong = ~(np.abs(array) <= LARGEST) | (array < low) | (array > high)
-    if wrong.any():
-        raise InvalidInput(expected, array[wrong].flat[0].item())
+    least, most = max(low, -LARGEST), min(high, LARGEST)
+    if type(values) is float and least <= values <= most:
+        return np.array(values)
+    expected = "finite numbers" + (f" within [{low:g}, {high:g}]" if low > -np.inf or high < np.inf else "")
+    array = floats(name, values, expected)
+    right = (array >= least) & (array <= most)
+    if not right.all():
+        wrong = array[~right].flat[0].item()
+        largest = f", none beyond {LARGEST:g}" if LARGEST < abs(wrong) < np.inf else ""
+        raise InvalidInput(f"{name}: {expected}{largest}", wrong)
     return array
 
 
 def number(name: str, value: Any, low: float = -np.inf, high: float = np.inf) -> float:
-    """Return one finite number within [low, high].
+    """Return one finite number within [low, high] as a float.
 
     Raises:
         InvalidInput: It is none.
     """
+    if type(value) is float and max(low, -LARGEST) <= value <= min(high, LARGEST):
+        return value
     array = finite(name, value, low, high)
     if array.ndim:
-        raise InvalidInput(f"{name}: one number", repr(value))
+        raise InvalidInput(f"{name}: one number", shown(value))
     return float(array)
 
 
-def whole(name: str, values: Any, low: int = 0) -> Integers:
-    """Return the values as whole numbers from `low` on.
+def positive(name: str, value: Any, high: float = np.inf) -> float:
+    """Return one finite number above 0 and up to `high` as a float; what it divides stays finite.
 
     Raises:
-        InvalidInput: A value is smaller, too large for an index, or not a whole number.
+        InvalidInput: It is none.
     """
-    expected = f"{name}: whole numbers from {low} on"
+    return number(name, value, 1 / LARGEST, high)
+
+
+def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Integers:
+    """Return a copy of the values as whole numbers from `low` to `high`.
+
+    Raises:
+        InvalidInput: A value is smaller, larger, masked, or not a whole number.
+    """
+    expected = f"{name}: whole numbers from {low} " + ("on" if high == MAX_INDEX else f"to {high}")
     try:
-        array = np.asarray(values)
-    except ValueError:  # rows of different lengths
-        raise InvalidInput(expected, repr(values)) from None
-    if array.dtype.kind not in "iu" and array.size:
-        raise InvalidInput(expected, repr(values))
-    wrong = (array < low) | (array > np.iinfo(np.int64).max)
-    if wrong.any():
-        raise InvalidInput(expected, array[wrong].flat[0].item())
-    return np.array(array, dtype=np.int64)
+        array = np.array(values)
+    except Exception:  # numpy's errors, and whatever a caller's own class raises
+        raise _refused(expected, values) from None
+    if (array.dtype.kind not in "iu" and (array.size or array.dtype.kind != "f")) or _masked(values):
+        raise _refused(expected, values)
+    right = array >= low
+    if high < MAX_INDEX or array.dtype.kind == "u":
+        right &= array <= high
+    if not right.all():
+        raise InvalidInput(expected, array[~right].flat[0].item())
+    return array.astype(np.int64, copy=False)
+
+
+def whole_number(name: str, value: Any, low: int = 0, high: int = MAX_INDEX) -> int:
+    """Return one whole number from `low` to `high`.
+
+    Raises:
+        InvalidInput: It is none.
+    """
+    array = whole(name, value, low, high)
+    if array.ndim:
+        raise InvalidInput(f"{name}: one whole number", shown(value))
+    return int(array)
+
+
+def one_by_one(expected: str, values: Any) -> Iterator[Any]:
+    """Return what goes through a sequence, a generator or the like.
+
+    Raises:
+        InvalidInput: It holds nothing that one could go through.
+    """
+    try:
+        return iter(values)
+    except Exception:  # of a caller's own class, too
+        raise InvalidInput(expected, shown(values)) from None
+
+
+def several(expected: str, values: Any, *kinds: type) -> tuple[Any, ...]:
+    """Return what a sequence, a generator or the like holds: things of some types.
+
+    Raises:
+        InvalidInput: It holds nothing that one could go through, or something else.
+    """
+    found = []
+    for each in one_by_one(expected, values):
+        if not isinstance(each, kinds):
+            raise InvalidInput(expected, shown(each))
+        found.append(each)
+    return tuple(found)
+
+
+def chosen(what: str, index: int | slice, among: int) -> int | range:
+    """Return which of so many things an index or a slice means, as for a list.
+
+    Raises:
+        OutOfRange: It is beyond them, or no index.
+    """
+    try:
+        return range(among)[index]
+    except Exception:  # of range, or of a caller's own class
+        raise OutOfRange(f"{what} among 0 to {among - 1}", shown(index)) from None
+
+
+def instance(name: str, value: Any, *kinds: type) -> None:
+    """Check that a value is of one of some types.
+
+    Raises:
+        InvalidInput: It is of another one.
+    """
+    if not isinstance(value, kinds):
+        named = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
+        raise InvalidInput(f"{name} of type {named}", shown(value))
+
+
+def function(name: str, value: Any) -> None:
+    """Check that a value can be called.
+
+    Raises:
+        InvalidInput: It cannot.
+    """
+    if not callable(value):
+        raise InvalidInput(f"{name}: a function", shown(value))

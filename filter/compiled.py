@@ -118,6 +118,8 @@ event.register("numba:compile", _Says())
 
 def compiled(function: Function) -> Function:
     """Return the function compiled when it is first called, and loaded from disk from then on; it lets other threads run."""
+    if SETTINGS.DISABLE_JIT:  # NUMBA_DISABLE_JIT: to step through
+        return function
     before, SETTINGS.CACHE_DIR = SETTINGS.CACHE_DIR, PLACE or ""
     try:
         made = cast(Any, numba.njit(cache=PLACE is not None, nogil=True)(function))

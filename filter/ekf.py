@@ -14,7 +14,7 @@ from math import erfc
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask, finite, number, read_only
+from filter.arrays import Array, Frozen, Integers, Mask, finite, instance, number, positive, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -23,6 +23,9 @@ from filter.team import Team
 
 STATES = 3  # x, y, heading
 UNIFORM = 1 / np.sqrt(3)  # standard deviation of a uniform error, relative to its bound
+MOST_OVER_BOUND = 1e6  # a larger deviation over a bound is a slip
+NEAREST = 1e-6  # nearer than this no target has a direction [m]
+QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no belief: that is an error of ours
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class NoiseModel:
         slip: Of slip, on each axis.
 
     Raises:
-        InvalidInput: A number is not finite or not above 0.
+        InvalidInput: A number is not finite, not above 0, or above 1e6.
     """
 
     compass: float = UNIFORM
@@ -52,7 +55,7 @@ class NoiseModel:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            finite(f"{name} deviation over bound", value, np.finfo(float).tiny)
+            settle(self, **{name: positive(f"{name} deviation over bound", value, MOST_OVER_BOUND)})
 
     @classmethod
     def same(cls, share: float) -> NoiseModel:
@@ -61,7 +64,7 @@ class NoiseModel:
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianBelief:
+class GaussianBelief(Frozen):
     """What the Kalman filter believes at one time.
 
     Attributes:
@@ -69,6 +72,9 @@ class GaussianBelief:
         mean: (n, 3) x [m], y [m], heading in (-pi, pi] [rad].
         covariance: (3n, 3n) of (x_0, y_0, heading_0, x_1, ...).
         rejected: Number of measurements that the gate has turned away so far.
+
+    Raises:
+        InvalidInput: A value is not finite, or of another type or shape.
     """
 
     time: float
@@ -77,8 +83,12 @@ class GaussianBelief:
     rejected: int = 0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mean", read_only(self.mean))
-        object.__setattr__(self, "covariance", read_only(self.covariance))
+        mean, covariance = finite("mean", self.mean), finite("covariance", self.covariance)
+        if mean.ndim != 2 or mean.shape[1] != STATES or covariance.shape != (mean.size, mean.size):
+            raise InvalidInput("a mean (n, 3) and a covariance (3n, 3n)", f"shapes {mean.shape} and {covariance.shape}")
+        time, rejected = number("time [s]", self.time), whole_number("rejected", self.rejected)
+        settle(self, time=time, mean=mean, covariance=covariance, rejected=rejected)
+        super().__post_init__()
 
     @property
     def position_covariances(self) -> Array:
@@ -93,7 +103,12 @@ class GaussianBelief:
         return np.asarray(np.sqrt(np.diagonal(self.covariance)[2::STATES]))
 
     def relative(self, i: int, j: int) -> tuple[Array, Array]:
-        """Return mean (2,) [m] and covariance (2, 2) [m2] of x_i - x_j."""
+        """Return mean (2,) [m] and covariance (2, 2) [m2] of x_i - x_j.
+
+        Raises:
+            InvalidInput: There is no such robot.
+        """
+        i, j = (whole_number("robot", robot, 0, len(self.mean) - 1) for robot in (i, j))
         D = np.zeros((2, self.mean.size))
         D[:, STATES * i : STATES * i + 2], D[:, STATES * j : STATES * j + 2] = np.eye(2), -np.eye(2)
         return D @ self.mean.ravel(), D @ self.covariance @ D.T
@@ -110,7 +125,7 @@ class ExtendedKalmanFilter:
             are rejected, in (0, 1); None to take all.
 
     Raises:
-        InvalidInput: The gate is out of its range.
+        InvalidInput: An attribute is of another type, or the gate out of its range.
     """
 
     team: Team
@@ -118,34 +133,35 @@ class ExtendedKalmanFilter:
     gate: float | None = None
 
     def __post_init__(self) -> None:
+        instance("team", self.team, Team)
+        instance("noise", self.noise, NoiseModel)
         if self.gate is not None:
-            finite("gate quantile", self.gate, np.finfo(float).tiny, np.nextafter(1.0, 0))
+            settle(self, gate=positive("gate quantile", self.gate, np.nextafter(1.0, 0)))
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> GaussianBelief:
         """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ, or an arc is empty.
+            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, or an arc is empty.
         """
-        n = self.team.robots
-        arcs = AngularIntervals.circles(n) if headings is None else headings
-        if len(positions) != n or len(arcs) != n or arcs.empty.any():
-            came = f"{len(positions)} and {len(arcs)}, {int(arcs.empty.sum())} empty"
-            raise InvalidInput(f"an initial polygon and arc for each of {n} robots, none empty", came)
-        corners = np.array([polygon.bounds for polygon in positions])
+        begin = number("time [s]", time)
+        polygons, arcs = self.team.initial(positions, headings)
+        corners = np.array([polygon.bounds for polygon in polygons])
         half = (corners[:, 1] - corners[:, 0]) / 2
         deviations = UNIFORM * np.column_stack([half, arcs.bound])
         mean = np.column_stack([corners.mean(axis=1), arcs.centre])
-        return GaussianBelief(number("time [s]", time), mean, np.diag(deviations.ravel() ** 2))
+        return GaussianBelief(begin, mean, np.diag(deviations.ravel() ** 2))
 
+    @QUIET
     def predict(self, belief: GaussianBelief, time: float, odometry: Odometry | None = None) -> GaussianBelief:
         """Return the belief at a later time; a robot without odometry is taken to stand, within its limits of motion.
 
         Raises:
             OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, or names an unknown robot.
+            InvalidInput: The odometry ends at another time, names an unknown robot, or is too large to be weighed.
         """
-        self.team.check_motion(belief.time, time, odometry)
+        self.team.check_belief(belief, GaussianBelief, "mean")
+        time = self.team.check_motion(belief.time, time, odometry)
         n, duration = self.team.robots, time - belief.time
         moved, F, Q = belief.mean.copy(), np.eye(belief.mean.size), np.zeros((belief.mean.size, belief.mean.size))
         reach, swing = UNIFORM * self.team.speed_limit * duration, UNIFORM * self.team.turn_rate_limit * duration
@@ -166,8 +182,9 @@ class ExtendedKalmanFilter:
 
         Raises:
             OutOfOrder: A record is of another time than the belief.
-            InvalidInput: A record names an unknown robot or landmark.
+            InvalidInput: A record names an unknown robot or landmark, or is too large to be weighed.
         """
+        self.team.check_belief(belief, GaussianBelief, "mean")
         for record in self.team.checked(belief.time, measurements):
             belief = self._merged(belief, record)
         return belief
@@ -196,6 +213,7 @@ class ExtendedKalmanFilter:
         spread = G * deviations
         return state + np.append(distance * along, turn), F, spread @ spread.T
 
+    @QUIET
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
         if self.gate is not None:
@@ -204,7 +222,7 @@ class ExtendedKalmanFilter:
         rejected = belief.rejected + len(record.robot) - len(innovation)
         P = belief.covariance
         S = H @ P @ H.T + np.diag(variance)
-        K = np.linalg.solve(S, H @ P).T
+        K = _solved(S, H @ P).T
         mean = belief.mean + (K @ innovation).reshape(-1, STATES)
         mean[:, 2] = wrap(mean[:, 2])
         keep = np.eye(len(P)) - K @ H
@@ -227,7 +245,7 @@ class ExtendedKalmanFilter:
             return innovation, H, (self.noise.compass * record.bound) ** 2
         bodies = np.concatenate([belief.mean[:, :2], self.team.landmarks])
         away = bodies[record.target] - bodies[robot]
-        distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), np.finfo(float).tiny)
+        distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST)
         towards = away / distance[:, None]
         if isinstance(record, Bearing):
             slope = np.column_stack([-towards[:, 1], towards[:, 0]]) / distance[:, None]
@@ -249,3 +267,11 @@ class ExtendedKalmanFilter:
     def _spread(H: Array, rows: Integers, robot: Integers, slope: Array) -> None:
         for axis in range(2):
             H[rows, STATES * robot + axis] += slope[:, axis]
+
+
+def _solved(S: Array, right: Array) -> Array:
+    """Return S^-1 right; of what is known without any error, more than once, the part that is no contradiction."""
+    try:
+        return np.asarray(np.linalg.solve(S, right))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(S, hermitian=True) @ right)

@@ -13,7 +13,17 @@ from numpy.typing import NDArray
 
 
 class CorralError(Exception):
-    """Base of every error that Corral raises on purpose."""
+    """Base of every error that Corral raises on purpose. Errors can be copied and pickled, with all that they carry."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _as_it_was, (type(self), self.args), self.__dict__
+
+
+def _as_it_was(kind: type[CorralError], words: tuple[Any, ...]) -> CorralError:
+    """Return an error with words that are found already: it is not made from them, but from what it carries."""
+    error = kind.__new__(kind)
+    error.args = words
+    return error
 
 
 class InvalidInput(CorralError, ValueError):
@@ -28,6 +38,10 @@ class InvalidInput(CorralError, ValueError):
         super().__init__(f"expected {expected}; came {came}")
         self.expected = expected
         self.came = came
+
+
+class OutOfRange(InvalidInput, IndexError):
+    """An index is that of nothing; as an `IndexError` it also ends a loop over a sequence."""
 
 
 class OutOfOrder(CorralError, ValueError):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar, runtime_checkable
 
+from filter.arrays import function, instance, number, one_by_one
 from filter.frame import Frame
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -74,15 +75,37 @@ def follow(
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
 
     Raises:
+        InvalidInput: Something is no filter, no belief, no frame or no clock.
         CorralError: What the filter raises, such as `OutOfOrder` for a frame that is earlier than the belief.
     """
-    now = clock or _no_clock
+    check_filter(filter_)
+    check_time(belief)
+    now = _no_clock if clock is None else clock
+    function("clock", now)
+    return _steps(filter_, belief, one_by_one("a sequence of frames", frames), now)
+
+
+def _steps(
+    filter_: Filter[AnyBelief], belief: AnyBelief, frames: Iterator[Frame], now: Callable[[], float]
+) -> Iterator[Step[AnyBelief]]:
     for frame in frames:
+        instance("a frame", frame, Frame)
         began = now()
         moved = frame.time != belief.time or frame.odometry is not None
         predicted = filter_.predict(belief, frame.time, frame.odometry) if moved else belief
         belief = filter_.update(predicted, frame.measurements)
         yield Step(frame, predicted, belief, now() - began)
+
+
+def check_filter(filter_: object) -> None:
+    """Raise `InvalidInput` when it is no filter, as a class of filters is none."""
+    for name in ("predict", "update"):
+        function(f"a filter with {name}", None if isinstance(filter_, type) else getattr(filter_, name, None))
+
+
+def check_time(belief: object) -> None:
+    """Raise `InvalidInput` when it is no belief: it has no time."""
+    number("time of a belief [s]", getattr(belief, "time", None))
 
 
 def _no_clock() -> float:

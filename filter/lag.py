@@ -9,10 +9,10 @@ from typing import Generic
 
 import numpy as np
 
-from filter.arrays import number
-from filter.follow import AnyBelief, Filter, Step, follow
+from filter.arrays import function, instance, number, settle
+from filter.follow import AnyBelief, Filter, Step, check_filter, check_time, follow
 from filter.frame import Frame
-from filter.measurements import Measurement, Odometry
+from filter.measurements import Measurement, Odometry, measurements_of
 
 MotionBetween = Callable[[float, float], Odometry | None]  # from one time to another
 
@@ -50,7 +50,7 @@ class FixedLag(Generic[AnyBelief]):
         lag: How late a measurement may be, from 0 on [s].
 
     Raises:
-        InvalidInput: The lag is negative or not finite.
+        InvalidInput: The lag is negative or not finite, the inner filter is none, or the motion is no function.
     """
 
     inner: Filter[AnyBelief]
@@ -58,10 +58,17 @@ class FixedLag(Generic[AnyBelief]):
     lag: float = 1.0
 
     def __post_init__(self) -> None:
-        number("lag [s]", self.lag, 0)
+        settle(self, lag=number("lag [s]", self.lag, 0))
+        check_filter(self.inner)
+        function("motion", self.motion)
 
     def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
-        """Return a belief of the inner filter to which nothing has happened yet."""
+        """Return a belief of the inner filter to which nothing has happened yet.
+
+        Raises:
+            InvalidInput: It is no belief: it has no time.
+        """
+        check_time(belief)
         return Lagged((Step(Frame(belief.time), belief, belief, 0.0),))
 
     def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
@@ -72,12 +79,14 @@ class FixedLag(Generic[AnyBelief]):
             measurements: Records; how late they are is counted from the newest that came before.
 
         Raises:
+            InvalidInput: Something is no record.
             CorralError: What the inner filter raises; nothing has changed then.
         """
-        newest = lagged.belief.time
+        instance("what is known (see begin)", lagged, Lagged)
+        newest, records = lagged.belief.time, measurements_of(measurements)
         oldest = max(lagged.steps[0].belief.time, newest - self.lag)
-        kept = [record for record in measurements if record.time >= oldest]
-        refused = _count(measurements) - _count(kept)
+        kept = [record for record in records if record.time >= oldest]
+        refused = _count(records) - _count(kept)
         late = _count([record for record in kept if record.time < newest])
         steps = self._redone(lagged.steps, kept) if kept else lagged.steps
         return replace(lagged, steps=self._recent(steps), late=lagged.late + late, refused=lagged.refused + refused)

@@ -1,18 +1,22 @@
 """What sensors say: records with a value and a bound, one or many at a time.
 
 A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array,
-and numbers are repeated to the length of the longest. Robots are numbered 0, 1, ..., n - 1; a target is a robot or,
-from n on, a landmark (see `Team`). The true error is within +- bound, always: a bound is a promise, not a deviation.
+and numbers are repeated to the length of the longest. All are copied: times become floats, columns arrays of floats or of
+whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not.
+
+Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
++- bound, always: a bound is a promise, not a deviation.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, finite, number, read_only, whole
+from filter.arrays import Array, Floats, Integers, finite, number, read_only, settle, several, whole
 from filter.errors import InvalidInput
 
 
@@ -25,8 +29,7 @@ def _columns(record: Any, **columns: Any) -> None:
         raise InvalidInput(f"{type(record).__name__}: columns of one length", lengths) from None
     if arrays[0].ndim != 1:
         raise InvalidInput(f"{type(record).__name__}: numbers or (k,) columns", f"shape {arrays[0].shape}")
-    for name, array in zip(columns, arrays, strict=True):
-        object.__setattr__(record, name, read_only(array))
+    settle(record, **dict(zip(columns, map(read_only, arrays), strict=True)))
 
 
 def _not_itself(record: Bearing | Range) -> None:
@@ -60,7 +63,7 @@ class Compass:
         def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats) -> None: ...
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", number("time [s]", self.time))
+        settle(self, time=number("time [s]", self.time))
         _columns(
             self,
             robot=whole("robot", self.robot),
@@ -95,7 +98,7 @@ class Bearing:
         def __init__(self, time: float, robot: Floats, target: Floats, bearing: Floats, bound: Floats) -> None: ...
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", number("time [s]", self.time))
+        settle(self, time=number("time [s]", self.time))
         _columns(
             self,
             robot=whole("robot", self.robot),
@@ -136,7 +139,7 @@ class Range:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", number("time [s]", self.time))
+        settle(self, time=number("time [s]", self.time))
         _columns(
             self,
             robot=whole("robot", self.robot),
@@ -153,6 +156,15 @@ class Range:
 
 
 Measurement = Compass | Bearing | Range
+
+
+def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
+    """Return records of compass, bearing or range, from whatever holds them.
+
+    Raises:
+        InvalidInput: Something is no such record.
+    """
+    return several("records of compass, bearing or range", records, Compass, Bearing, Range)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +216,7 @@ class Odometry:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", number("start [s]", self.start))
-        object.__setattr__(self, "time", number("time [s]", self.time))
+        settle(self, start=number("start [s]", self.start), time=number("time [s]", self.time))
         if self.time < self.start:
             raise InvalidInput(f"odometry that ends at its start or later, from {self.start!r} s on", f"{self.time!r} s")
         _columns(

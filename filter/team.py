@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, finite, number, read_only
+from filter.arrays import (
+    LARGEST,
+    MOST_ROBOTS,
+    Array,
+    Floats,
+    Integers,
+    finite,
+    floats,
+    instance,
+    number,
+    read_only,
+    settle,
+    several,
+    shown,
+    whole_number,
+)
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Compass, Measurement, Odometry
+from filter.measurements import Bearing, Compass, Measurement, Odometry, Range, measurements_of
+
+ARENA = "(2, 2) lower corner below upper corner [m], infinite where it is open"
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +37,7 @@ class Team:
     """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ...
 
     Attributes:
-        robots: Number of robots n, from 1 on.
+        robots: Number of robots n, from 1 to 1 000 000.
         landmarks: (l, 2) known positions of the landmarks [m].
         speed_limit: Greatest speed of a robot without odometry [m/s]; 0 for one that never moves.
         turn_rate_limit: Greatest turn rate of a robot without odometry [rad/s].
@@ -48,81 +65,94 @@ class Team:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        if not isinstance(self.robots, int | np.integer) or isinstance(self.robots, bool) or self.robots < 1:
-            raise InvalidInput("a team of at least one robot", f"{self.robots!r} robots")
         landmarks = finite("landmark coordinates [m]", self.landmarks)
         landmarks = landmarks if landmarks.size else np.zeros((0, 2))
         if landmarks.ndim != 2 or landmarks.shape[1] != 2:
             raise InvalidInput("landmarks as (l, 2) coordinates", f"shape {landmarks.shape}")
-        try:
-            arena = np.array(self.arena, dtype=float)
-        except (TypeError, ValueError):
-            raise InvalidInput("arena: (2, 2) lower and upper corner [m]", repr(self.arena)) from None
-        if arena.shape != (2, 2) or not (arena[0] <= arena[1]).all():
-            raise InvalidInput("arena: (2, 2) lower corner below upper corner [m]", arena.tolist())
-        number("speed limit [m/s]", self.speed_limit, 0)
-        number("turn rate limit [rad/s]", self.turn_rate_limit, 0)
-        object.__setattr__(self, "landmarks", read_only(landmarks))
-        object.__setattr__(self, "arena", read_only(arena))
+        arena = floats("arena", self.arena, ARENA)
+        if arena.shape != (2, 2) or not (
+            (arena[0] <= arena[1]).all() and (arena[0] <= LARGEST).all() and (arena[1] >= -LARGEST).all()
+        ):
+            raise InvalidInput(f"arena: {ARENA}", shown(arena.tolist()))
+        settle(
+            self,
+            robots=whole_number("number of robots", self.robots, 1, MOST_ROBOTS),
+            landmarks=read_only(landmarks),
+            speed_limit=number("speed limit [m/s]", self.speed_limit, 0),
+            turn_rate_limit=number("turn rate limit [rad/s]", self.turn_rate_limit, 0),
+            arena=read_only(arena),
+        )
 
     def check(self, record: Measurement | Odometry) -> None:
-        """Raise `InvalidInput` when the record names a robot or a target that the team does not have."""
+        """Raise `InvalidInput` when it is no record, or names a robot or a target that the team does not have."""
+        instance("a record", record, Compass, Bearing, Range, Odometry)
         self._known("robot", record.robot, self.robots)
         if not isinstance(record, Compass | Odometry):
             self._known("target", record.target, self.robots + len(self.landmarks))
 
-    def initial_headings(self, positions: Sequence[Polygon], headings: AngularIntervals | None) -> AngularIntervals:
-        """Return (n) arcs around the robots' first headings, whole circles where nothing is known.
+    def initial(
+        self, positions: Iterable[Polygon], headings: AngularIntervals | None
+    ) -> tuple[tuple[Polygon, ...], AngularIntervals]:
+        """Return (n) polygons and arcs around the robots' first positions and headings.
 
         Args:
             positions: (n) a polygon around each robot.
-            headings: (n) arcs, or None when nothing is known.
+            headings: (n) arcs, or None when nothing is known: whole circles.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ, or an arc is empty.
+            InvalidInput: Something is no polygon, the numbers of sets and robots differ, or an arc is empty.
         """
-        if len(positions) != self.robots:
-            raise InvalidInput(f"one initial polygon for each of {self.robots} robots", f"{len(positions)} polygons")
+        expected = f"one initial polygon for each of {self.robots} robots"
+        polygons = several(f"a sequence with {expected}", positions, Polygon)
+        if len(polygons) != self.robots:
+            raise InvalidInput(expected, f"{len(polygons)} polygons")
+        instance("initial headings, arcs with centres and bounds [rad],", headings, AngularIntervals, type(None))
         known = AngularIntervals.circles(self.robots) if headings is None else headings
         if len(known) != self.robots or known.empty.any():
             raise InvalidInput(f"an initial arc for each of {self.robots} headings, none empty", f"{len(known)} arcs")
-        return known
+        return polygons, known
 
-    def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> None:
-        """Check a prediction from one time to another.
+    def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> float:
+        """Check a prediction from one time to another; return the latter as a float [s].
 
         Raises:
             OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, or names an unknown robot.
+            InvalidInput: The odometry ends at another time, or names an unknown robot; or nobody knows how far robots went.
         """
-        if number("time [s]", time) < belief_time:
-            raise OutOfOrder("a prediction", time, belief_time)
+        before, now = number("time of the belief [s]", belief_time), number("time [s]", time)
+        if now < before:
+            raise OutOfOrder("a prediction", now, before)
+        if max(self.speed_limit, self.turn_rate_limit) * (now - before) > LARGEST:
+            raise InvalidInput(f"a time until which robots get no farther than {LARGEST:g} m", f"{now!r} s")
         if odometry is not None:
-            if not isinstance(odometry, Odometry):
-                raise InvalidInput("an odometry record, or None", type(odometry).__name__)
+            instance("odometry", odometry, Odometry, type(None))
             self.check(odometry)
-            if odometry.start != belief_time:
-                raise OutOfOrder("odometry that starts", odometry.start, belief_time)
-            if odometry.time != time:
-                raise InvalidInput(f"odometry that ends at the predicted time {time!r} s", f"{odometry.time!r} s")
+            if odometry.start != before:
+                raise OutOfOrder("odometry that starts", odometry.start, before)
+            if odometry.time != now:
+                raise InvalidInput(f"odometry that ends at the predicted time {now!r} s", f"{odometry.time!r} s")
+        return now
 
     def checked(self, belief_time: float, measurements: Iterable[Measurement]) -> tuple[Measurement, ...]:
         """Return measurements that are to be merged at one time, if they can be.
 
         Raises:
             OutOfOrder: A record is of another time.
-            InvalidInput: A record names an unknown robot or landmark.
+            InvalidInput: Something is no record, or a record names an unknown robot or landmark.
         """
-        if not isinstance(measurements, Iterable):
-            raise InvalidInput("a sequence of records", type(measurements).__name__)
-        records = tuple(measurements)
+        now, records = number("time of the belief [s]", belief_time), measurements_of(measurements)
         for record in records:
-            if not isinstance(record, Measurement):
-                raise InvalidInput("records of compass, bearing or range", type(record).__name__)
             self.check(record)
-            if record.time != belief_time:
-                raise OutOfOrder(type(record).__name__.lower(), record.time, belief_time)
+            if record.time != now:
+                raise OutOfOrder(type(record).__name__.lower(), record.time, now)
         return records
+
+    def check_belief(self, belief: object, kind: type, each: str) -> None:
+        """Raise `InvalidInput` when it is no belief of this kind, or its field `each` has not one entry for each robot."""
+        instance("belief", belief, kind)
+        robots = len(getattr(belief, each))
+        if robots != self.robots:
+            raise InvalidInput(f"a belief about {self.robots} robots, as the filter's team has", f"one about {robots}")
 
     def _known(self, role: str, bodies: Integers, count: int) -> None:
         unknown = bodies[bodies >= count]
@@ -133,5 +163,10 @@ class Team:
             raise InvalidInput(f"a {role} among {known}", f"{role} {unknown[0]}")
 
     def name(self, body: int) -> str:
-        """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks."""
-        return f"r{body}" if body < self.robots else f"l{body - self.robots}"
+        """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks.
+
+        Raises:
+            InvalidInput: There is no such body.
+        """
+        known = whole_number("a body", body, 0, self.robots + len(self.landmarks) - 1)
+        return f"r{known}" if known < self.robots else f"l{known - self.robots}"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Floats, finite, read_only
+from filter.arrays import LARGEST, Array, Floats, Frozen, finite, floats, instance, number, shown
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import Polygon
@@ -14,11 +14,15 @@ from filter.linear.sources import Source
 from filter.sets.belief import Belief
 
 # Edges whose normals are within this of the separating line's direction carry it alone [rad].
-PARALLEL = 1e-6
+SAME_DIRECTION = 1e-6
+# A covariance whose halves differ by more than this share is none.
+SYMMETRIC = 1e-9
+# An ellipse that is thinner than this counts as one that is just so thin, as a point does [m].
+THINNEST = 1e-100
 
 
 @dataclass(frozen=True, eq=False)
-class Alarm:
+class Alarm(Frozen):
     """Proof that an estimate of one robot is wrong, as long as every declared bound holds.
 
     Attributes:
@@ -41,9 +45,6 @@ class Alarm:
     edges: tuple[int, ...]
     sources: tuple[Source, ...]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "normal", read_only(self.normal))
-
     def __str__(self) -> str:
         what = "the whole ellipse" if self.everything else "the estimate"
         because = "; ".join(map(str, self.sources)) or "the box that it was known to be in"
@@ -62,27 +63,32 @@ def watch(
         probability: What the ellipses are said to contain, in [0, 1).
 
     Raises:
-        InvalidInput: A shape does not fit the belief, a covariance is not positive definite, or the probability is out
-            of its range.
+        InvalidInput: It is no belief of the set-membership filter's, a shape does not fit it, a position is infinite, a
+            covariance is not symmetric and positive definite, or the probability is out of its range.
     """
-    robots = len(belief.regions)
-    points = np.asarray(positions, dtype=float)
+    instance("belief", belief, Belief)
+    robots, points = len(belief.regions), floats("positions [m]", positions)
     if points.shape != (robots, 2):
         raise InvalidInput(f"positions of {robots} robots, (n, 2)", f"shape {points.shape}")
-    size = np.sqrt(-2 * np.log1p(-finite("probability", probability, 0, np.nextafter(1.0, 0))))  # chi-square, 2 degrees
+    if (np.abs(points) > LARGEST).any():
+        raise InvalidInput("finite positions [m], or NaN where nothing is said", shown(points.tolist()))
+    size = np.sqrt(-2 * np.log1p(-number("probability", probability, 0, np.nextafter(1.0, 0))))  # chi-square, 2 degrees
     roots = [None] * robots if covariances is None else list(size * _roots(covariances, robots))
     alarms = (_alarm(belief, k, points[k], roots[k]) for k in range(robots) if np.isfinite(points[k]).all())
     return tuple(alarm for alarm in alarms if alarm is not None)
 
 
 def _roots(covariances: Floats, robots: int) -> Array:
+    matrices = finite("covariances [m2]", covariances)
+    if matrices.shape != (robots, 2, 2):
+        raise InvalidInput(f"covariances of {robots} robots, (n, 2, 2)", f"shape {matrices.shape}")
+    wrong = InvalidInput("symmetric and positive definite covariances [m2]", shown(matrices.tolist()))
+    if not np.allclose(matrices, matrices.transpose(0, 2, 1), rtol=SYMMETRIC, atol=0):
+        raise wrong
     try:
-        matrices = finite("covariances [m2]", covariances)
-        if matrices.shape != (robots, 2, 2):
-            raise InvalidInput(f"covariances of {robots} robots, (n, 2, 2)", f"shape {matrices.shape}")
         return np.asarray(np.linalg.cholesky(matrices))
     except np.linalg.LinAlgError:
-        raise InvalidInput("positive definite covariances [m2]", matrices.tolist()) from None
+        raise wrong from None
 
 
 def _alarm(belief: Belief, robot: int, point: Array, root: Array | None) -> Alarm | None:
@@ -108,23 +114,24 @@ def _separating_normal(polygon: Polygon, point: Array, root: Array) -> Array | N
 
     It is a candidate: whether the line separates is judged afterwards.
     """
-    whitening = np.linalg.inv(root)
-    corners = (polygon.vertices - point) @ whitening.T
-    edges = np.roll(corners, -1, axis=0) - corners
-    lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
-    along = np.clip(-(corners * edges).sum(axis=1) / lengths, 0, 1)
-    nearest = corners + along[:, None] * edges
-    closest = nearest[np.argmin((nearest**2).sum(axis=1))]
-    normal = -closest @ whitening
-    length = float(np.hypot(*normal))
-    return normal / length if length > 0 and not polygon.contains(point) else None
+    with np.errstate(over="ignore", invalid="ignore"):
+        whitening = np.linalg.inv(root + THINNEST * np.eye(2))
+        corners = (polygon.vertices - point) @ whitening.T
+        edges = np.roll(corners, -1, axis=0) - corners
+        lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
+        along = np.clip(-(corners * edges).sum(axis=1) / lengths, 0, 1)
+        nearest = corners + along[:, None] * edges
+        closest = nearest[np.argmin((nearest**2).sum(axis=1))]
+        normal = -closest @ whitening
+        length = float(np.hypot(*normal))
+    return normal / length if 0 < length < np.inf and not polygon.contains(point) else None
 
 
 def _edges_behind(polygon: Polygon, normal: Array) -> tuple[int, ...]:
     """Return the edge with that normal, or the two whose normals are next to it on either side."""
     angles = np.arctan2(polygon.normals[:, 1], polygon.normals[:, 0]) - np.arctan2(normal[1], normal[0])
     turns = np.mod(angles + np.pi, 2 * np.pi) - np.pi
-    if np.abs(turns).min() <= PARALLEL:
+    if np.abs(turns).min() <= SAME_DIRECTION:
         return (int(np.argmin(np.abs(turns))),)
     after, before = np.where(turns > 0, turns, np.inf), np.where(turns < 0, -turns, np.inf)
     return (int(np.argmin(before)), int(np.argmin(after)))

@@ -28,7 +28,7 @@ def spread(work: Callable[[Item], Result], items: Sequence[Item], threads: int) 
     An interrupt leaves at once: the threads end by themselves, each after the item that it is at.
 
     Args:
-        work: May raise; what is raised first is raised here.
+        work: May raise; what is raised first is raised here, and what is not begun then is not done.
         items: What to work on.
         threads: How many, from 1 on; the caller only waits.
     """
@@ -45,9 +45,7 @@ def spread(work: Callable[[Item], Result], items: Sequence[Item], threads: int) 
                 raise error
             results[place] = result
     finally:
-        with suppress(Empty):
-            while True:
-                todo.get_nowait()
+        _drop(todo)
     return [results[place] for place in range(len(items))]
 
 
@@ -60,8 +58,15 @@ def _work_off(work: Callable[[Any], Any], todo: SimpleQueue[Any], done: SimpleQu
             try:
                 done.put((place, work(item), None))
             except BaseException as error:
+                _drop(todo)
                 done.put((place, None, error))
     del _AT_WORK[thread]
+
+
+def _drop(todo: SimpleQueue[Any]) -> None:
+    with suppress(Empty):
+        while True:
+            todo.get_nowait()
 
 
 @atexit.register

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from time import perf_counter
 
+from experiments.follow.metrics import rounded
 from experiments.follow.scenarios import Scenario
 from experiments.logs import LogWriter, first_belief
-from filter import AnyBelief, Compass, Filter, Frame, Step, Team, follow
+from filter import AnyBelief, Compass, Filter, Frame, Step, Team, follow, warm_up
+
+
+@cache
+def warmed_up() -> float:
+    """Compile or load all that is compiled, once in a process, so that no step waits for it; return how long that took [s]."""
+    begin = perf_counter()
+    warm_up()
+    return rounded(perf_counter() - begin)
 
 
 def steps(filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None = None) -> Iterator[Step[AnyBelief]]:
@@ -19,6 +29,7 @@ def steps(filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None 
     Raises:
         CorralError: What the scenario or the filter raises.
     """
+    warmed_up()
     belief = first_belief(filter_, scenario.header, scenario.initial)
     frames = scenario.frames if log is None else _logged(scenario.frames, log)
     return follow(filter_, belief, frames, perf_counter)

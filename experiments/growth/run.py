@@ -11,7 +11,7 @@ import numpy as np
 from experiments.against_ekf.tuning import TUNED
 from experiments.follow.metrics import Metrics, rounded
 from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps
+from experiments.follow.steps import steps, warmed_up
 from experiments.growth.size import LEFT_OUT, Case, Size
 from experiments.sweep.own_process import peak_memory_mib
 from filter import PHASES, Belief, ExtendedKalmanFilter, Frame, Inconsistent, SetMembershipFilter, Step, Window
@@ -23,7 +23,6 @@ TEAM_UP_TO = 100  # robots that the whole team's linear program is solved for
 EKF_UP_TO = 1000  # robots: its covariance has nine numbers for each pair
 EKF_STEPS = 10
 EKF_PATIENCE = 60.0  # after this it starts no further step [s]
-WARM_UP_ROBOTS = 3
 
 
 @dataclass
@@ -92,7 +91,7 @@ class Stopwatch(Iterator[Frame]):
 
 def measure(case: Case) -> Iterator[float | Size]:
     """Yield how long each step took [s], and at last what the size came to."""
-    compiling = warm_up()
+    compiling = warmed_up()
     scenario = case.scenario()
     stopwatch = Stopwatch(scenario.frames)
     first: list[Frame] = []
@@ -113,15 +112,6 @@ def measure(case: Case) -> Iterator[float | Size]:
         kalman = ekf_step_ms(scenario, case.errors, first) if case.robots <= EKF_UP_TO else None
         size = replace(size, area_ratio_to_team=ratio, ekf_step_median_ms=kalman)
     yield replace(size, conflict=conflict)
-
-
-def warm_up() -> float:
-    """Let a small team make a few steps, for everything to be compiled and loaded; return how long that takes [s]."""
-    begin = perf_counter()
-    scenario = Case(WARM_UP_ROBOTS, "kinematic", "uniform", 0, steps=0).scenario()
-    for _ in steps(SetMembershipFilter.light(scenario.team, scope=Window()), scenario):
-        pass
-    return rounded(perf_counter() - begin)
 
 
 def size_of(case: Case, tally: Tally, stopwatch: Stopwatch, compiling: float) -> Size:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -54,7 +54,12 @@ class LogWriter:
     def __init__(self, path: Path, header: Header, initial: Sequence[InitialSet]) -> None:
         self._robots = header.team.robots
         self._file = path.open("w", encoding="utf-8", newline="\n")
-        self._write([header.record(), *(initial_record(robot, known) for robot, known in enumerate(initial))])
+        try:
+            self._write([header.record(), *(initial_record(robot, known) for robot, known in enumerate(initial))])
+        except OSError:
+            with suppress(OSError):  # it would try again
+                self.close()
+            raise
 
     def write(self, frame: Frame) -> None:
         """Append a frame."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from experiments.follow.located import Located
 from experiments.follow.scenarios import Scenario
+from experiments.follow.steps import warmed_up
 from experiments.logs import first_belief, initial_headings
 from experiments.real_robots.carried import Carried
 from experiments.real_robots.motion import Motions
@@ -74,6 +75,7 @@ def team_filter(scenario: Scenario, motions: Motions) -> Iterator[Followed]:
 
 def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterator[Followed]:
     """Follow with a robust filter, which is given frames about carried headings."""
+    warmed_up()
     jitter = carried.bounds.jitter
     positions = [known.polygon() for known in scenario.initial]
     begin = robust.start(scenario.header.start, positions, initial_headings(scenario.initial).turned(0.0, jitter))
@@ -116,6 +118,7 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
     A measurement that had to be rejected proves that some bound is broken; which, nobody knows, so that from then on
     nothing is guaranteed until the team has been started over from the arena.
     """
+    warmed_up()
     plain = SetMembershipFilter(scenario.team, policy="reject")
     belief = first_belief(plain, scenario.header, scenario.initial)
     suspended = np.zeros(scenario.team.robots, dtype=bool)

@@ -5,6 +5,9 @@ Rows are kept for a second of the run's time and sent as columns, which is ten t
 
 from __future__ import annotations
 
+import errno
+import os
+import shutil
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -40,6 +43,7 @@ from filter import Array, Frame, Polygon, Team
 
 APPLICATION = "corral"
 SEND_EVERY = 1.0  # [s] of the run's time
+ROOM = 16 << 20  # that there has to be for what is sent next [bytes]: on a full disk Rerun's own writer waits for ever
 VIEWER_PATIENCE = 10.0  # [s] that a viewer may take at the end to receive what is left
 NARROWEST = 1.3  # width over height of a view from above that still shows the whole arena
 BACKGROUND: Colour = (22, 24, 29)
@@ -89,12 +93,20 @@ class Recording:
             camera: Whether there will be images, which need a place.
             inside: Whether anything will be known from inside; else there is no performance ratio to plot.
             viewer: Address of a live viewer (see `experiments.show.viewer`), or None.
+
+        Raises:
+            OSError: The file cannot be written, or there is no room for it.
         """
+        self._path = path
+        self._look_for_room()
         batches = rr.ChunkBatcherConfig(flush_tick=3600.0, flush_num_bytes=1 << 26, flush_num_rows=1 << 20)
         self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False, batcher_config=batches)
         self._stream.set_log_time_enabled(False)
         live = [rr.GrpcSink(viewer)] if viewer else []
-        self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera, inside))
+        try:
+            self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera, inside))
+        except RuntimeError as error:
+            raise OSError(errno.EIO, str(error), str(path)) from None
         self._drawing = Drawing(team) if team.robots <= INDIVIDUALLY else Layers(team)
         self._rows: dict[str, list[tuple[int, float, Any]]] = defaultdict(list)
         self._step, self._time, self._sent = -1, 0.0, -np.inf
@@ -155,7 +167,12 @@ class Recording:
         self._stream.reset_time()
 
     def send(self) -> None:
-        """Send the rows that wait."""
+        """Send the rows that wait.
+
+        Raises:
+            OSError: The disk is full.
+        """
+        self._look_for_room()
         for path, rows in self._rows.items():
             steps, times, items = zip(*rows, strict=True)
             indexes = [rr.TimeColumn("t", duration=times), rr.TimeColumn("step", sequence=steps)]
@@ -165,10 +182,16 @@ class Recording:
 
     def close(self) -> None:
         """Send what is left and end the file."""
-        self.send()
-        with suppress(RuntimeError):  # a viewer that somebody has closed keeps nothing from the file
-            self._stream.flush(timeout_sec=VIEWER_PATIENCE)
-        self._stream.disconnect()
+        try:
+            self.send()
+        finally:
+            with suppress(RuntimeError):  # a viewer that somebody has closed keeps nothing from the file
+                self._stream.flush(timeout_sec=VIEWER_PATIENCE)
+            self._stream.disconnect()
+
+    def _look_for_room(self) -> None:
+        if shutil.disk_usage(self._path.parent).free < ROOM:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
 
     def _put(self, path: str, item: Item | tuple[str, str]) -> None:
         self._rows[path].append((self._step, self._time, item))

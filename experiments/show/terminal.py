@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, as_completed
+from contextlib import suppress
 from types import TracebackType
 from typing import TypeVar
 
@@ -18,9 +19,20 @@ Result = TypeVar("Result")
 WIDTH = 160  # of tables that no terminal shows, for a file or a pipe [characters]
 
 
+class Terminal(Console):
+    """Where something is shown; a pipe that is closed is an error on stdout, and nobody's loss on stderr."""
+
+    def on_broken_pipe(self) -> None:
+        """Go on in silence on stderr; on stdout raise what led here, where Rich would end the process."""
+        if not self.stderr:
+            raise  # noqa: PLE0704 - it is called while the error is handled
+        self.quiet = True
+
+
 def tell(message: str) -> None:
-    """Print one message to stderr."""
-    Console(stderr=True).print(message, markup=False, highlight=False, soft_wrap=True)
+    """Print one message to stderr, if there is anybody to read it."""
+    with suppress(OSError):
+        Terminal(stderr=True).print(message, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_table(title: str, values: Mapping[str, Value]) -> None:
@@ -34,7 +46,7 @@ def print_table(title: str, values: Mapping[str, Value]) -> None:
 
 def show_table(table: Table) -> None:
     """Print the table to stdout, folded to the terminal's width if that is one."""
-    Console(width=None if sys.stdout.isatty() else WIDTH).print(table)
+    Terminal(width=None if sys.stdout.isatty() else WIDTH).print(table)
 
 
 class StepProgress:
@@ -44,7 +56,7 @@ class StepProgress:
         """Prepare the bar for `count` steps, or for nobody knows how many."""
         time, step = "{task.fields[time]:6.1f} s of the run", "{task.fields[step]:4.0f} ms a step"
         self._progress = Progress(
-            BarColumn(), TextColumn(time), TextColumn(step), TimeRemainingColumn(), console=Console(stderr=True)
+            BarColumn(), TextColumn(time), TextColumn(step), TimeRemainingColumn(), console=Terminal(stderr=True)
         )
         self._task = self._progress.add_task("", total=count, time=0.0, step=0.0)
 
@@ -66,7 +78,7 @@ class Counting:
     def __init__(self, count: int, things: str) -> None:
         """Prepare the bar for `count` things of which the name is a plural."""
         columns = (BarColumn(), MofNCompleteColumn(), TextColumn(things), TimeElapsedColumn(), TimeRemainingColumn())
-        self._progress = Progress(*columns, console=Console(stderr=True))
+        self._progress = Progress(*columns, console=Terminal(stderr=True))
         self._task = self._progress.add_task("", total=count)
 
     def advance(self) -> None:

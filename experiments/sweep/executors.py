@@ -9,6 +9,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
 
+from experiments.sweep.own_process import end_with_parent
 from filter import CorralError, InvalidInput
 from filter.arrays import whole
 
@@ -50,7 +51,7 @@ def _local(workers: int | None) -> Iterator[Executor]:
     count = cores() if workers is None else int(whole("number of workers", workers, low=1))
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ |= ONE_THREAD  # inherited by the workers, which read it as they start
-    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
     try:
         yield pool
     finally:

@@ -1,12 +1,16 @@
-"""Something is computed in a process of its own: with its own peak of memory, and nothing left behind."""
+"""Something is computed in a process of its own, with its own peak of memory; no process is left behind."""
 
 from __future__ import annotations
 
 import multiprocessing
+import os
 import re
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -52,7 +56,21 @@ def _told(here: Connection) -> Iterator[Any]:
         raise WorkerLost("a process ended before its work: killed, or out of memory") from None
 
 
+def end_with_parent() -> None:
+    """Let this process end as soon as the one that has made it is gone, killed or not, and at once at Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
+
+
+def _end_after(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
+
+
 def _tell(generator: Callable[[Any], Iterator[Any]], argument: Any, there: Connection) -> None:
+    end_with_parent()
     for told in generator(argument):
         there.send((told,))
     there.send(None)

@@ -1,19 +1,19 @@
 """A sweep: many independent runs of one task, each with its own file, so that one which was killed goes on where it was.
 
-A result is written to a temporary name and moved into place, so whatever has its name is whole. A fingerprint of all that
-decides the results lies beside them, so that results of different options are never mixed.
+A result's file is there as a whole or not at all. A fingerprint of all that decides the results lies beside them, so that
+results of different options are never mixed.
 """
 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+from experiments.show.output import write_whole
 from filter import CorralError, InvalidInput
 
 Case = TypeVar("Case")
@@ -55,7 +55,7 @@ class Results:
             self._runs.mkdir(parents=True, exist_ok=True)
             for left in self._runs.glob(".*.tmp"):
                 left.unlink()
-            _replace(path, mine)
+            write_whole(path, mine)
         except OSError as error:
             raise InvalidInput("an output folder that can be written to", f"{self.folder}: {error.strerror}") from None
 
@@ -69,7 +69,7 @@ class Results:
 
     def write(self, name: str, result: Result) -> None:
         """Keep a run's result: all of it or nothing, whenever the machine stops."""
-        _replace(self._path(name), json.dumps(result, allow_nan=False) + "\n")
+        write_whole(self._path(name), json.dumps(result, allow_nan=False) + "\n")
 
     def _check(self, path: Path, mine: str) -> None:
         try:
@@ -89,15 +89,6 @@ class Results:
     @property
     def _runs(self) -> Path:
         return self.folder / RESULTS
-
-
-def _replace(path: Path, text: str) -> None:
-    temporary = path.with_name(f".{path.name}.tmp")
-    with temporary.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)
 
 
 def carry_out(results: Results, pool: Executor, task: Callable[[Case], Result], cases: Mapping[str, Case]) -> Iterator[str]:

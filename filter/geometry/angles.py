@@ -10,19 +10,37 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, Mask, finite, read_only
+from filter.arrays import (
+    MOST_ROBOTS,
+    Array,
+    Floats,
+    Integers,
+    Mask,
+    finite,
+    floats,
+    instance,
+    read_only,
+    settle,
+    shown,
+    whole_number,
+)
 from filter.compiled import compiled
-from filter.errors import InvalidInput
+from filter.errors import InvalidInput, OutOfRange
 
 # One operation on angles of a few turns is off by a few units in the last place of 2 pi; this covers it many times.
 ANGLE_ROUNDING = 1e-14
 
 
 def wrap(angle: Floats) -> Array:
-    """Return the angle(s) wrapped to (-pi, pi] [rad], any shape."""
-    array = np.asarray(angle, dtype=float)
+    """Return the angle(s) wrapped to (-pi, pi] [rad], any shape; NaN for one that is not finite.
+
+    Raises:
+        InvalidInput: They are no numbers.
+    """
+    array = floats("angles [rad]", angle)
     inside = (-np.pi < array) & (array <= np.pi)  # as it is, to the last bit
-    return np.where(inside, array, -(np.mod(np.pi - array, 2 * np.pi) - np.pi))
+    with np.errstate(invalid="ignore"):
+        return np.where(inside, array, -(np.mod(np.pi - array, 2 * np.pi) - np.pi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,43 +50,54 @@ class AngularIntervals:
     Attributes:
         centre: (k,) middle of each arc [rad], in (-pi, pi].
         bound: (k,) half-width of each arc [rad]; pi is the whole circle, a negative one the empty set.
+
+    Raises:
+        InvalidInput: A value is not finite, or the columns are not of one length.
     """
 
     centre: Array
     bound: Array
 
     def __post_init__(self) -> None:
-        centre, bound = (
-            np.atleast_1d(finite("centre of an arc [rad]", self.centre)),
-            finite("bound of an arc [rad]", self.bound),
-        )
+        centre, bound = finite("centre of an arc [rad]", self.centre), finite("bound of an arc [rad]", self.bound)
         try:
-            centre, bound = np.broadcast_arrays(centre, bound)
+            centre, bound = np.broadcast_arrays(np.atleast_1d(centre), bound)
         except ValueError:
             raise InvalidInput("a centre and a bound for each arc", f"{centre.shape} and {bound.shape}") from None
+        if centre.ndim != 1:
+            raise InvalidInput("centres and bounds of arcs as numbers or (k,) columns", f"shape {centre.shape}")
         turns = np.abs(centre) > np.pi
         outward = np.where(turns & (bound >= 0), bound + ANGLE_ROUNDING * np.abs(centre), bound)
-        object.__setattr__(self, "centre", read_only(wrap(centre)))
-        object.__setattr__(self, "bound", read_only(np.minimum(outward, np.pi)))
+        settle(self, centre=read_only(wrap(centre)), bound=read_only(np.minimum(outward, np.pi)))
 
     @classmethod
     def circles(cls, count: int) -> AngularIntervals:
-        """Return `count` whole circles: nothing is known."""
-        return cls(np.zeros(count), np.full(count, np.pi))
+        """Return so many whole circles: nothing is known.
+
+        Raises:
+            InvalidInput: It is no whole number, or too large.
+        """
+        arcs = whole_number("number of arcs", count, 0, MOST_ROBOTS)
+        return cls(np.zeros(arcs), np.full(arcs, np.pi))
 
     @classmethod
     def _of(cls, centre: Array, bound: Array) -> AngularIntervals:
         """Return arcs that are known to be wrapped and of one length, without a look."""
         arcs = object.__new__(cls)
-        object.__setattr__(arcs, "centre", read_only(centre))
-        object.__setattr__(arcs, "bound", read_only(bound))
+        settle(arcs, centre=read_only(centre), bound=read_only(bound))
         return arcs
 
     def __len__(self) -> int:
         return len(self.centre)
 
-    def __getitem__(self, index: slice | Integers) -> AngularIntervals:
-        return AngularIntervals._of(self.centre[index], self.bound[index])
+    def __getitem__(self, index: int | slice | Integers | Mask) -> AngularIntervals:
+        try:
+            centre, bound = np.atleast_1d(self.centre[index], self.bound[index])
+        except Exception:  # numpy has several for an index that is none
+            raise OutOfRange(f"arcs among 0 to {len(self) - 1}", shown(index)) from None
+        if centre.ndim != 1 or isinstance(index, np.ma.MaskedArray):
+            raise OutOfRange(f"arcs among 0 to {len(self) - 1} by a number, a slice or a (k,) column", shown(index))
+        return AngularIntervals._of(centre, bound)
 
     def replaced(self, index: Integers, arcs: AngularIntervals) -> AngularIntervals:
         """Return the arcs with some of them, by (k,) index, replaced by k others."""
@@ -87,19 +116,39 @@ class AngularIntervals:
         return self.bound >= np.pi
 
     def contains(self, angle: Floats) -> Mask:
-        """Return (k,) whether each arc contains the angle [rad]."""
-        return np.abs(wrap(np.asarray(angle) - self.centre)) <= self.bound
+        """Return (k,) whether each arc contains the angle, or its own of (k,) angles [rad]; none one that is not finite.
 
-    def turned(self, by: Array | float, bound: Array | float = 0.0) -> AngularIntervals:
-        """Return the arcs after a turn by `by +- bound` [rad]: {a + t}."""
-        turn, wider = (np.broadcast_to(np.asarray(each, dtype=float), self.centre.shape) for each in (by, bound))
+        Raises:
+            InvalidInput: They are no angles, or not one for each arc.
+        """
+        return np.abs(wrap(self._each("angles [rad]", floats("angles [rad]", angle)) - self.centre)) <= self.bound
+
+    def turned(self, by: Floats, bound: Floats = 0.0) -> AngularIntervals:
+        """Return the arcs after a turn by `by +- bound` [rad]: {a + t}.
+
+        Raises:
+            InvalidInput: A value is not finite, a bound is negative, or there is not one for each arc.
+        """
+        turn = self._each("turns [rad]", finite("turns [rad]", by))
+        wider = self._each("bounds of turns [rad]", finite("bounds of turns [rad]", bound, 0))
         return AngularIntervals._of(*_turned(self.centre, self.bound, turn, wider))
+
+    def _each(self, name: str, values: Array) -> Array:
+        if values.shape not in ((), (1,), self.centre.shape):
+            raise InvalidInput(f"{name}: one, or one for each of {len(self)} arcs", f"shape {values.shape}")
+        return np.broadcast_to(values, self.centre.shape)
 
     def intersection(self, other: AngularIntervals) -> AngularIntervals:
         """Return the smallest arcs that contain what each pair of arcs has in common.
 
         Two wide arcs can meet at both ends; the result then is their hull inside the narrower one (errs outward).
+
+        Raises:
+            InvalidInput: The others are no arcs, or not as many.
         """
+        instance("other arcs", other, AngularIntervals)
+        if len(other) != len(self):
+            raise InvalidInput(f"as many other arcs, {len(self)}", f"{len(other)} arcs")
         return AngularIntervals._of(*_intersections(self.centre, self.bound, other.centre, other.bound))
 
 

@@ -1,4 +1,4 @@
-"""Convex polygons in the plane, as half-planes and as vertices: one, or those of a whole team as a few arrays.
+"""Convex polygons in the plane, as half-planes and as vertices.
 
 The half-planes are the truth of an outer polygon: each one is kept exactly as it was proved. The vertices are computed
 from them, within `margin` outward: the hull of the vertices, widened by the margin, contains the polygon.
@@ -6,48 +6,61 @@ from them, within `margin` outward: the hull of the vertices, widened by the mar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import overload
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Frozen, Integers, Mask, finite, read_only
-from filter.compiled import compiled
+from filter.arrays import Array, Floats, Frozen, Integers, Mask, finite, floats, instance, number, settle
 from filter.errors import InvalidInput
-from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import (
-    EPSILON,
-    area_of,
-    centroid_of,
-    clip_box_into,
-    clip_into,
-    clip_room,
-    hull_of,
-    side_of_box,
-    span_of,
-)
+from filter.geometry.convex import EPSILON, area_of, centroid_of, clip_box_into, hull_of
 
 # Sides of a box in the order of its edges: right, top, left, bottom.
 SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+# What is made by hand is right to this share of its size.
+BY_HAND = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Polygon(Frozen):
     """A bounded convex polygon; a segment and a point are polygons too.
 
+    Made by `box`, `from_vertices` or `from_half_planes`, as a rule; one that is made by hand is looked at.
+
     Attributes:
         normals: (e, 2) outward normals of the edges, of length 1 to rounding, counter-clockwise.
         offsets: (e,) the polygon is {x : normals x <= offsets} [m].
         vertices: (e, 2) counter-clockwise; vertex k is where edge k begins [m].
         margin: The hull of the vertices widened by this contains the polygon [m].
+
+    Raises:
+        InvalidInput: A value is not finite, or edges and vertices do not go round one bounded polygon.
     """
 
     normals: Array
     offsets: Array
     vertices: Array
     margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        normals, offsets = finite("normals", self.normals), finite("offsets [m]", self.offsets)
+        vertices, margin = finite("vertices [m]", self.vertices), number("margin [m]", self.margin, 0)
+        if offsets.ndim != 1 or not normals.shape == vertices.shape == (len(offsets), 2):
+            shapes = f"shapes {normals.shape}, {offsets.shape} and {vertices.shape}"
+            raise InvalidInput("a normal (2,), an offset and a vertex (2,) for each edge of a polygon", shapes)
+        if not _goes_round(normals) or _off_edges(normals, offsets, vertices) > 2 * margin:
+            expected = "normals of length 1, once round counter-clockwise, each vertex where an edge ends and the next begins"
+            raise InvalidInput(f"{expected} (see Polygon.from_half_planes)", f"{len(offsets)} edges that bound no such set")
+        settle(self, normals=normals, offsets=offsets, vertices=vertices, margin=margin)
+        super().__post_init__()
+
+    @classmethod
+    def _of(cls, normals: Array, offsets: Array, vertices: Array, margin: float = 0.0) -> Polygon:
+        """Return a polygon that is known to be one, without a look; its arrays are owned."""
+        polygon = object.__new__(cls)
+        settle(polygon, normals=normals, offsets=offsets, vertices=vertices, margin=margin)
+        Frozen.__post_init__(polygon)
+        return polygon
 
     @classmethod
     def box(cls, lower: Floats, upper: Floats) -> Polygon:
@@ -61,7 +74,7 @@ class Polygon(Frozen):
             corners = f"{low.tolist()}, {high.tolist()}"
             raise InvalidInput("a box with its lower corner (2,) below its upper corner (2,)", corners)
         vertices = np.array([[high[0], low[1]], high, [low[0], high[1]], low])
-        return cls(SIDES, np.concatenate([high, -low]), vertices)
+        return cls._of(SIDES, np.concatenate([high, -low]), vertices)
 
     @classmethod
     def from_vertices(cls, points: Floats) -> Polygon:
@@ -94,17 +107,27 @@ class Polygon(Frozen):
             edges = np.array([along, [-along[1], along[0]], -along, [along[1], -along[0]]])
             vertices = vertices[[0, 1, 1, 0]] if len(vertices) == 2 else vertices[[0, 0, 0, 0]]
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
-        return cls(normals, (array @ normals.T).max(axis=0), vertices)
+        return cls._of(normals, (array @ normals.T).max(axis=0), vertices)
 
     @classmethod
     def from_half_planes(cls, normals: Floats, offsets: Floats, lower: Floats, upper: Floats) -> Polygon:
         """Return the part of a box that lies in all half-planes {x : normals x <= offsets}.
 
+        Args:
+            normals: (k, 2) of any length.
+            offsets: (k,) [m].
+            lower: (2,) corner of the box [m].
+            upper: (2,) corner of the box [m].
+
         Raises:
-            InvalidInput: Nothing is left, or the box is not one.
+            InvalidInput: Nothing is left, the box is not one, or a value is not finite.
         """
-        box = cls.box(lower, upper)
-        kept = clip(finite("normals", normals).reshape(-1, 2), finite("offsets [m]", offsets).reshape(-1), *box.bounds)
+        across, offset = finite("normals", normals), np.atleast_1d(finite("offsets [m]", offsets))
+        if across.size == 0 == offset.size:
+            across = np.zeros((0, 2))
+        if offset.ndim != 1 or across.shape != (len(offset), 2):
+            raise InvalidInput("a normal (2,) and an offset for each half-plane", f"shapes {across.shape} and {offset.shape}")
+        kept = clip(across, offset, *cls.box(lower, upper).bounds)
         if kept is None:
             raise InvalidInput("half-planes with a point of the box in common", "an empty set")
         return kept[0]
@@ -125,20 +148,57 @@ class Polygon(Frozen):
         return self.vertices.min(axis=0) - self.margin, self.vertices.max(axis=0) + self.margin
 
     def contains(self, points: Floats) -> Mask:
-        """Return whether (..., 2) points satisfy every half-plane."""
-        return np.all(np.asarray(points) @ self.normals.T <= self.offsets, axis=-1)
+        """Return whether (..., 2) points satisfy every half-plane; one that is not finite does not.
+
+        Raises:
+            InvalidInput: They are no points.
+        """
+        places = floats("points [m]", points)
+        if not places.ndim or places.shape[-1] != 2:
+            raise InvalidInput("points as (..., 2) coordinates", f"shape {places.shape}")
+        with np.errstate(invalid="ignore", over="ignore"):
+            return np.all(places @ self.normals.T <= self.offsets, axis=-1)
 
     def support(self, directions: Floats) -> Array:
-        """Return (k,) upper bounds of direction . x over the polygon for (k, 2) directions [m]."""
-        wanted = np.asarray(directions, dtype=float)
+        """Return (k,) upper bounds of direction . x over the polygon for (k, 2) directions [m].
+
+        Raises:
+            InvalidInput: They are no directions.
+        """
+        wanted = finite("directions", directions)
+        if wanted.ndim != 2 or wanted.shape[1] != 2:
+            raise InvalidInput("directions as (k, 2) vectors", f"shape {wanted.shape}")
         rounding = 4 * EPSILON * np.abs(self.vertices).max()
         return (wanted @ self.vertices.T).max(axis=-1) + (self.margin + rounding) * np.abs(wanted).sum(axis=-1)
 
     def intersection(self, other: Polygon) -> Polygon | None:
-        """Return what two polygons have in common, or None when that is proved to be nothing."""
+        """Return what two polygons have in common, or None when that is proved to be nothing.
+
+        Raises:
+            InvalidInput: The other one is no polygon.
+        """
+        instance("another polygon", other, Polygon)
         normals, offsets = np.concatenate([self.normals, other.normals]), np.concatenate([self.offsets, other.offsets])
         kept = clip(normals, offsets, *self.bounds)
         return kept[0] if kept else None
+
+
+def _goes_round(normals: Array) -> bool:
+    """Return whether (e, 2) normals are of length 1 and turn once round, never by half a turn: edges around a bounded set."""
+    if not len(normals) or (np.abs(np.hypot(normals[:, 0], normals[:, 1]) - 1) > BY_HAND).any():
+        return False
+    before = np.roll(normals, 1, axis=0)
+    across = before[:, 0] * normals[:, 1] - before[:, 1] * normals[:, 0]
+    along = (before * normals).sum(axis=1)
+    turns = np.arctan2(across, along).sum() / (2 * np.pi)
+    return round(turns) == 1 and bool(((across > 0) | (along > 0)).all())
+
+
+def _off_edges(normals: Array, offsets: Array, vertices: Array) -> float:
+    """Return how far (e, 2) vertices are beyond any edge, or off the two edges that end and begin there, less rounding [m]."""
+    beyond, edges = vertices @ normals.T - offsets, np.arange(len(offsets))
+    off = max(beyond.max(), -beyond[edges, edges].min(), -beyond[edges, edges - 1].min())
+    return float(off - BY_HAND * np.abs(vertices).max())
 
 
 def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:
@@ -151,166 +211,4 @@ def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Po
     if not size:
         return None
     everything, edges = (np.concatenate([normals, SIDES]), np.concatenate([offsets, upper, -lower])), behind[:size].copy()
-    return Polygon(everything[0][edges], everything[1][edges], vertices[:size].copy(), margin), edges
-
-
-@dataclass(frozen=True, eq=False)
-class Polygons(Frozen, Sequence[Polygon]):
-    """Polygons laid end to end: the edges of polygon k are first[k] to first[k + 1].
-
-    Attributes:
-        normals: (e, 2) as in `Polygon`.
-        offsets: (e,) [m].
-        vertices: (e, 2) [m].
-        margin: (n,) [m].
-        first: (n + 1,) where the edges of each begin.
-    """
-
-    normals: Array
-    offsets: Array
-    vertices: Array
-    margin: Array
-    first: Integers
-
-    @classmethod
-    def of(cls, polygons: Sequence[Polygon]) -> Polygons:
-        """Return single polygons laid end to end."""
-        first = np.cumsum([0, *(len(polygon.offsets) for polygon in polygons)])
-        normals = np.concatenate([np.zeros((0, 2)), *(polygon.normals for polygon in polygons)])
-        vertices = np.concatenate([np.zeros((0, 2)), *(polygon.vertices for polygon in polygons)])
-        offsets = np.concatenate([np.zeros(0), *(polygon.offsets for polygon in polygons)])
-        return cls(normals, offsets, vertices, np.array([polygon.margin for polygon in polygons], dtype=float), first)
-
-    def __len__(self) -> int:
-        return len(self.margin)
-
-    @overload
-    def __getitem__(self, index: int) -> Polygon: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> list[Polygon]: ...
-
-    def __getitem__(self, index: int | slice) -> Polygon | list[Polygon]:
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        k = range(len(self))[index]
-        edges = slice(self.first[k], self.first[k + 1])
-        return Polygon(self.normals[edges], self.offsets[edges], self.vertices[edges], float(self.margin[k]))
-
-    @cached_property
-    def owner(self) -> Integers:
-        """(e,) whose each edge is."""
-        return np.repeat(np.arange(len(self)), np.diff(self.first))
-
-    @cached_property
-    def areas(self) -> Array:
-        """(n,) areas of the hulls of the vertices [m2]."""
-        return read_only(areas_of(self.vertices, self.first))
-
-    def contains(self, points: Array) -> Mask:
-        """Return (n,) whether each polygon's half-planes hold at its own of (n, 2) points [m]."""
-        broken = (self.normals * points[self.owner]).sum(axis=1) > self.offsets
-        return np.bincount(self.owner[broken], minlength=len(self)) == 0
-
-    def mirrored(self, points: Array) -> Polygons:
-        """Return {point - x} with an own one of (n, 2) points for each: as seen from the polygons; errs outward [m]."""
-        where = points[self.owner]
-        largest = np.maximum.reduceat(np.abs(self.vertices).max(axis=1), self.first[:-1]) if len(self) else np.zeros(0)
-        rounding = 4 * EPSILON * (np.abs(points).sum(axis=1) + largest)
-        offsets = self.offsets - (self.normals * where).sum(axis=1) + rounding[self.owner]
-        return Polygons(-self.normals, offsets, where - self.vertices, self.margin + rounding, self.first)
-
-    def turned_about(self, which: Mask) -> Polygons:
-        """Return {-x} where (n,) says so, and {x} elsewhere: exact."""
-        sign = np.where(which[self.owner], -1.0, 1.0)[:, None]
-        return Polygons(sign * self.normals, self.offsets, sign * self.vertices, self.margin, self.first)
-
-    def spans(self) -> AngularIntervals:
-        """Return (n) arcs that contain the directions from the origin to every point of each polygon; they err outward [rad].
-
-        The bound is pi where the origin is inside, or so near that no direction is excluded for sure.
-        """
-        return AngularIntervals(*_spans(self.vertices, self.margin, self.first).T)
-
-
-@dataclass(frozen=True, eq=False)
-class Clipped(Frozen):
-    """What half-planes leave of boxes, several at a time.
-
-    Attributes:
-        polygons: (g) what is left; the whole box where that is nothing.
-        behind: (e,) the half-plane, of r, behind each edge; from r on the box's right, top, left and bottom side.
-        empty: (g,) whether nothing is left, for sure.
-    """
-
-    polygons: Polygons
-    behind: Integers
-    empty: Mask
-
-
-def clip_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers], lower: Array, upper: Array) -> Clipped:
-    """Cut each of g boxes by its own group of half-planes, as `clip_box` does.
-
-    Args:
-        normals: (r, 2) of length 1 to rounding.
-        offsets: (r,) [m].
-        groups: Where each group begins and ends among the half-planes, (g,) and (g,).
-        lower: (g, 2) corners of the boxes [m].
-        upper: (g, 2) corners of the boxes [m].
-    """
-    begin, end = groups
-    most, count = int((end - begin).sum()) + 4 * len(begin), len(begin)
-    lines, vertices, behind = (np.empty((most, 2)), np.empty(most)), np.empty((most, 2)), np.empty(most, dtype=np.int64)
-    margin, first, empty = np.empty(count), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool)
-    _clip((*lines, vertices, behind), (margin, first, empty), (normals, offsets), groups, (lower, upper))
-    edges = slice(first[-1])
-    normals_of, offsets_of, corners = (column[edges].copy() for column in (*lines, vertices))
-    outlines = Polygons(normals_of, offsets_of, corners, margin, first)
-    return Clipped(outlines, behind[edges].copy(), empty)
-
-
-@compiled
-def _clip(
-    edges: tuple[Array, Array, Array, Integers],
-    each: tuple[Array, Integers, Mask],
-    lines: tuple[Array, Array],
-    groups: tuple[Integers, Integers],
-    box: tuple[Array, Array],
-) -> None:
-    """Write normals, offsets, vertices and rows of the edges, and margin, beginning and emptiness of each polygon."""
-    (outward, reach, vertices, behind), (margin, first, empty) = edges, each
-    (normals, offsets), (begin, end), (lower, upper) = lines, groups, box
-    room = clip_room((end - begin).max() if len(begin) else 0)
-    for g in range(len(begin)):
-        at, rows = first[g], end[g] - begin[g]
-        into = vertices[at:], behind[at:]
-        size, margin[g] = clip_into(into, (normals[begin[g] : end[g]], offsets[begin[g] : end[g]]), lower[g], upper[g], room)
-        if not size:
-            empty[g], rows = True, 0
-            size, margin[g] = clip_into(into, (normals[:0], offsets[:0]), lower[g], upper[g], room)
-        for k in range(at, at + size):
-            if behind[k] < rows:
-                behind[k] += begin[g]
-                outward[k, 0], outward[k, 1], reach[k] = normals[behind[k], 0], normals[behind[k], 1], offsets[behind[k]]
-            else:
-                outward[k, 0], outward[k, 1], reach[k] = side_of_box(behind[k] - rows, lower[g], upper[g])
-                behind[k] += len(offsets) - rows
-        first[g + 1] = at + size
-
-
-@compiled
-def areas_of(vertices: Array, first: Integers) -> Array:
-    """Return (n,) areas of polygons whose vertices lie end to end [m2]; 0 where there are none."""
-    areas = np.empty(len(first) - 1)
-    for k in range(len(areas)):
-        areas[k] = area_of(vertices[first[k] : first[k + 1]])
-    return areas
-
-
-@compiled
-def _spans(vertices: Array, margin: Array, first: Integers) -> Array:
-    """Return (n, 2) centre and bound of the span of each polygon."""
-    spans = np.empty((len(margin), 2))
-    for k in range(len(margin)):
-        spans[k, 0], spans[k, 1] = span_of(vertices[first[k] : first[k + 1]], margin[k])
-    return spans
+    return Polygon._of(everything[0][edges], everything[1][edges], vertices[:size].copy(), margin), edges

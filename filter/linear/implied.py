@@ -43,7 +43,7 @@ def imply(
     for q in range(len(whose)):
         g, direction = whose[q], directions[q]
         members = np.array([j[g]]) if i[g] == WORLD else np.array([j[g], i[g]])
-        following = _farthest(normals, vertices, first[g], first[g + 1], direction)
+        following = _corner((normals, vertices), first[g], first[g + 1], direction)
         before = following - 1 if following > first[g] else first[g + 1] - 1
         rows[q, 0], rows[q, 1], prices[q] = behind[before], behind[following], 0.0
         turned = across(normals[before], normals[following])
@@ -55,18 +55,18 @@ def imply(
 
 
 @compiled
-def _farthest(normals: Array, vertices: Array, begin: int, end: int, direction: Array) -> int:
+def _corner(edges: tuple[Array, Array], begin: int, end: int, direction: Array) -> int:
     """Return the vertex that is farthest in a direction; an edge begins at each, and ends at the next.
 
-    Of vertices that coincide it is the one between whose edges the direction lies: only these two rows prove it.
+    Where several rows meet in one point, vertices coincide: only two edges that turn past the direction prove anything tight.
     """
-    chosen, most, between = begin, -np.inf, False
+    (normals, vertices), chosen, most, turns_past = edges, begin, -np.inf, False
     for k in range(begin, end):
-        before = k - 1 if k > begin else end - 1
+        a, b = normals[k - 1 if k > begin else end - 1], normals[k]
+        between = across(a, b) > 0 and across(a, direction) >= 0 and across(direction, b) >= 0
         along = direction[0] * vertices[k, 0] + direction[1] * vertices[k, 1]
-        lies = across(normals[before], direction) >= 0 and across(direction, normals[k]) >= 0
-        if (lies and not between) or (lies == between and along > most):
-            chosen, most, between = k, along, lies
+        if (between, along) > (turns_past, most):
+            chosen, most, turns_past = k, along, between
     return chosen
 
 

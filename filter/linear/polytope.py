@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers
-from filter.geometry.polygon import Clipped, clip_boxes
+from filter.geometry.many import Clipped, clip_boxes
 from filter.linear.constraints import WORLD, Constraints, may_be_broken
 from filter.linear.program import LinearProgram
 

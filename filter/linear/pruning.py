@@ -7,7 +7,7 @@ import numpy as np
 from filter.arrays import Array, Integers, Mask
 from filter.compiled import compiled
 from filter.geometry.convex import centroid_of
-from filter.geometry.polygon import Clipped
+from filter.geometry.many import Clipped
 from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope

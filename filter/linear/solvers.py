@@ -1,22 +1,20 @@
 """The linear-programming solvers: PIQP and the simplex of HiGHS, kept across directions, or any that qpsolvers knows.
 
 Their answers are candidates that `LinearProgram` judges; whatever else they do, raising included, is no answer. The only
-module that imports piqp, highspy and qpsolvers.
+module that imports piqp, highspy and qpsolvers, and not before they are asked: exact projections need none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Protocol
 
-import highspy
 import numpy as np
-import piqp
-import qpsolvers
 from scipy import sparse
 
-from filter.arrays import Array
+from filter.arrays import Array, several, shown
 from filter.errors import InvalidInput
 from filter.linear.program import LinearProgram
 from filter.linear.scaled import ScaledProgram
@@ -27,6 +25,8 @@ CLEARLY = 1e-3
 MAX_ITERATIONS = 60
 # The simplex method goes on from the vertex of the direction before; a point of its own is as exact as HiGHS can make it.
 SIMPLEX = "highs-simplex"
+# What the solvers need that are asked by default, or that have a workspace here.
+PACKAGES = {"piqp": ("piqp",), SIMPLEX: ("highspy",), "highs": ("qpsolvers", "highspy")}
 SIMPLEX_OPTIONS: dict[str, str | int | float] = {
     "solver": "simplex",
     "simplex_strategy": 4,  # primal: the last vertex stays feasible when the direction changes
@@ -67,9 +67,33 @@ def workspace(program: LinearProgram, solver: Solver) -> Workspace:
 
 def check_solver(solver: Solver, others: Sequence[str] = ()) -> None:
     """Raise `InvalidInput`, with the list of those there are, unless the solver is installed or among the others."""
+    if callable(solver) or (isinstance(solver, str) and (solver in others or _is_installed(solver))):
+        return
+    import qpsolvers  # noqa: PLC0415 - see above
+
     known = [*others, *sorted([*qpsolvers.available_solvers, SIMPLEX])]
-    if not callable(solver) and solver not in known:
-        raise InvalidInput(f"a solver among {', '.join(known)}", repr(solver))
+    if not callable(solver) and not (isinstance(solver, str) and solver in known):
+        raise InvalidInput(f"a solver among {', '.join(known)}", shown(solver))
+
+
+def checked_solvers(solvers: Iterable[Solver]) -> tuple[Solver, ...]:
+    """Return solvers that are all installed.
+
+    Raises:
+        InvalidInput: One is not, or they come as one text.
+    """
+    expected = 'a tuple of solvers, such as ("piqp", "highs")'
+    if isinstance(solvers, str):
+        raise InvalidInput(expected, shown(solvers))
+    every = several(expected, solvers, object)
+    for solver in every:
+        check_solver(solver)
+    return every
+
+
+def _is_installed(solver: str) -> bool:
+    """Return whether one of our own solvers is there, without loading it."""
+    return solver in PACKAGES and all(find_spec(package) is not None for package in PACKAGES[solver])
 
 
 def name_of(solver: Solver) -> str:
@@ -161,7 +185,10 @@ class _Piqp:
     """PIQP, set up once; a new direction only changes the cost."""
 
     def __init__(self, program: LinearProgram) -> None:
+        import piqp  # noqa: PLC0415 - see above
+
         self._scaled = scaled = ScaledProgram.of(program)
+        self._good = piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED
         self._solver = piqp.SparseSolver()
         self._solver.settings.max_iter = MAX_ITERATIONS
         count = len(scaled.free)
@@ -175,7 +202,7 @@ class _Piqp:
         if not len(c):
             return _candidate(scaled, c, np.zeros(len(scaled.h)), scale)
         self._solver.update(c=-c)
-        if self._solver.solve() not in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
+        if self._solver.solve() not in self._good:
             return None
         return _candidate(scaled, self._solver.result.x, self._solver.result.z_u, scale)
 
@@ -184,7 +211,10 @@ class _Simplex:
     """HiGHS's primal simplex method, begun at the last direction's vertex; it returns vertices of the polytope."""
 
     def __init__(self, program: LinearProgram) -> None:
+        import highspy  # noqa: PLC0415 - see above
+
         self._scaled = scaled = ScaledProgram.of(program)
+        self._good = highspy.HighsModelStatus.kOptimal
         self._solver = highspy.Highs()  # type: ignore[no-untyped-call]
         self._solver.silent()
         for name, value in SIMPLEX_OPTIONS.items():
@@ -207,7 +237,7 @@ class _Simplex:
             return _candidate(scaled, c, np.zeros(len(scaled.h)), scale)
         self._solver.changeColsCost(len(c), np.arange(len(c), dtype=np.int32), c)
         self._solver.run()
-        if self._solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+        if self._solver.getModelStatus() != self._good:
             return None
         solution = self._solver.getSolution()
         return _candidate(scaled, np.array(solution.col_value), np.array(solution.row_dual), scale)
@@ -221,6 +251,8 @@ class _Qpsolvers:
         self._solver = solver
 
     def maximize(self, objective: Array) -> Candidate | None:
+        import qpsolvers  # noqa: PLC0415 - see above
+
         scaled = self._scaled
         c, scale = scaled.objective(objective)
         if not len(c):

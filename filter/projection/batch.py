@@ -12,7 +12,7 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.projection.inside import CORNERS
+from filter.projection.inside import MOST_CORNERS
 from filter.projection.shadow import LONGEST
 from filter.projection.simplex import EMPTY
 from filter.projection.walk import Task, project_window
@@ -54,7 +54,7 @@ def blank(own: Integers, task: Task) -> Sheet:
     """Return a sheet with room for k windows, whose robots or pairs have so many rows of their own (k,)."""
     count, robots = len(own), min(task.most, len(task.box[0]))
     edges = int(own.sum()) + count * (min(task.goal[2], LONGEST) + 4)
-    rows, corners = edges * 2 * robots + 1, count * CORNERS if task.inside else 0
+    rows, corners = edges * 2 * robots + 1, count * MOST_CORNERS if task.inside else 0
     return Sheet(
         np.empty((edges, 2)),
         np.empty(edges),

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, Mask
-from filter.geometry.polygon import Clipped, Polygon, Polygons, areas_of
+from filter.geometry.many import Clipped, Polygons, areas_of
+from filter.geometry.polygon import Polygon
 from filter.projection.stop import Reason
 
 

@@ -16,10 +16,10 @@ from filter.projection.window import WindowProgram
 
 # Vertices are spared for as much area as edges are, yet never for more than this leaves.
 LEAST_RATIO = 0.999
-# A point is close to a row when this share of the box is between them; so often is another one looked for.
-CLOSE, ATTEMPTS = 1e-4, 4
+# A point is on a row when less than this share of the box is between them; so often is another one looked for.
+CLOSE, ATTEMPTS = 4e-9, 8
 # So many corners at most does an inner polygon have: a circle, of all shapes the worst, is left with 90 or so.
-CORNERS = 128
+MOST_CORNERS = 128
 
 
 @compiled
@@ -48,9 +48,9 @@ def inside_of(
     middle, room = _point(program, middle_of(program, trace, basis, ahead), members, box), np.empty(len(numbers))
     for k in range(len(numbers)):
         room[k], _ = slack_at(middle, numbers[k], place, team)
-    keep, corners, count = vertices_worth_keeping(seen, (1 - LEAST_RATIO) * area_of(seen)), np.empty((CORNERS, 2)), 0
+    keep, corners, count = vertices_worth_keeping(seen, (1 - LEAST_RATIO) * area_of(seen)), np.empty((MOST_CORNERS, 2)), 0
     for vertex in range(len(seen)):
-        if not keep[vertex] or count == CORNERS:
+        if not keep[vertex] or count == MOST_CORNERS:
             continue
         point = _point(program, trace.point[vertex], members, box)
         _pull(point, middle, room, numbers, place, team)
@@ -66,14 +66,14 @@ def middle_of(program: WindowProgram, trace: Trace, basis: Basis, ahead: Array) 
     """Return a point (v,) that keeps clear of every row, if there is one, in the program's units.
 
     It is the mean of the shadow's vertices. Where these all lie on some rows, the walk goes on to the vertex that keeps
-    farthest from these rows together, which then counts as much as all before.
+    farthest from these rows together, and so on; each of these counts as much as all of the shadow's.
     """
     middle, limit = np.zeros(len(ahead)), LONGEST + LONGEST_EACH * len(ahead)
     for k in range(trace.filled[0]):
         for v in range(len(ahead)):
             middle[v] += trace.point[k, v] / trace.filled[0]
     nothing, before, away = no_trace(0, len(ahead)), ahead, np.zeros(len(ahead))
-    for _ in range(ATTEMPTS):
+    for attempt in range(ATTEMPTS):
         close = False
         away = np.zeros(len(ahead))
         for i in range(len(program.rows.offset)):
@@ -85,7 +85,7 @@ def middle_of(program: WindowProgram, trace: Trace, basis: Basis, ahead: Array) 
             break
         before = away
         for v in range(len(ahead)):
-            middle[v] = (middle[v] + basis.point[v]) / 2
+            middle[v] += (basis.point[v] - middle[v]) / (attempt + 2)
     return middle
 
 

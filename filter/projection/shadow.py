@@ -42,7 +42,7 @@ EXACTLY, BY_RATIO, BY_GAP, BY_SEARCHES = 0, 1, 2, 3
 # Edges that together add less than this share of the allowance are rounding.
 NEGLIGIBLE_SHARE_OF_AREA = 1e-6
 # An edge whose shadow is shorter than this share of the plane's unit has none.
-NO_SHADOW = 1e-9
+NO_SHADOW = 1e-8
 
 
 class Trace(NamedTuple):

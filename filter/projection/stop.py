@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from filter.arrays import number, whole
+from filter.arrays import function, number, settle, whole_number
 
 Reason = Literal["exact", "performance ratio", "area gap", "searches", "time", "solver"]
 REASONS: tuple[Reason, ...] = get_args(Reason)
@@ -39,9 +39,12 @@ class Stop:
     searches: int = 32
 
     def __post_init__(self) -> None:
-        number("performance ratio", self.performance_ratio, 0, 1)
-        number("area gap [m2]", self.area_gap, 0)
-        whole("searches", self.searches, low=4)
+        settle(
+            self,
+            performance_ratio=number("performance ratio", self.performance_ratio, 0, 1),
+            area_gap=number("area gap [m2]", self.area_gap, 0),
+            searches=whole_number("searches", self.searches, 4),
+        )
 
     def reason(self, inner_area: float, gap: float, searches: int) -> Reason | None:
         """Return why to end a search, or None to go on."""
@@ -54,7 +57,7 @@ class Stop:
     @property
     def goal(self) -> tuple[float, float, int]:
         """Performance ratio, area gap [m2] and greatest number of edges, as compiled functions take them."""
-        return float(self.performance_ratio), float(self.area_gap), int(self.searches)
+        return self.performance_ratio, self.area_gap, self.searches
 
 
 @dataclass(frozen=True)
@@ -70,16 +73,17 @@ class Budget:
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
 
     Raises:
-        InvalidInput: The time is not finite or negative.
+        InvalidInput: The time is not finite or negative, or the clock is no function or tells no number.
     """
 
     seconds: float
     clock: Callable[[], float]
 
     def __post_init__(self) -> None:
-        number("time budget [s]", self.seconds, 0)
+        settle(self, seconds=number("time budget [s]", self.seconds, 0))
+        function("clock", self.clock)
 
     def begin(self) -> IsOver:
         """Return what tells, from now on, whether time is up."""
-        began = self.clock()
-        return lambda: self.clock() - began >= self.seconds
+        began = number("time by the clock [s]", self.clock())
+        return lambda: number("time by the clock [s]", self.clock()) - began >= self.seconds

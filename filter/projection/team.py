@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from filter.arrays import Array, Integers
-from filter.geometry.polygon import Polygons
+from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import Solver, name_of
@@ -161,7 +161,7 @@ class Projector:
         of_robot = next((each for each in failures if each.which is not None), Failure(0, (), first))
         of_robot = Failure(robot, (*lost, *of_robot.failed), of_robot.used)
         deepest = tuple(replace(each, which=robot) for each in failures if each.which is None)
-        return (*deepest, of_robot) if of_robot.failed else deepest
+        return tuple(dict.fromkeys((*deepest, of_robot) if of_robot.failed else deepest))
 
     def _with_the_inside(self, polytope: Polytope, outlines: Outlines, failures: tuple[Failure, ...]) -> Outlined:
         """Return what was found, with inner polygons only if the whole team is known to have a point inside.

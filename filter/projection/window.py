@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, whole
+from filter.arrays import Array, Integers, settle, whole_number
 from filter.compiled import compiled
 from filter.linear.certify import Boxes, members_at
 from filter.linear.constraints import WORLD, Columns, Constraints
@@ -30,15 +30,15 @@ class Window:
         robots: How many robots a window may have, from 2 on; the nearest in hops come first.
 
     Raises:
-        InvalidInput: A number is too small.
+        InvalidInput: A number is too small, or not whole.
     """
 
     hops: int = 1
     robots: int = 12
 
     def __post_init__(self) -> None:
-        whole("hops of a window", self.hops, low=1)
-        whole("robots of a window", self.robots, low=2)
+        hops, robots = whole_number("hops of a window", self.hops, 1), whole_number("robots of a window", self.robots, 2)
+        settle(self, hops=hops, robots=robots)
 
     @classmethod
     def everybody(cls) -> Window:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, Mask, read_only
+from filter.arrays import Array, Frozen, Mask
 from filter.geometry.angles import AngularIntervals
 from filter.linear.sources import Source
 from filter.robust.cameras import Offsets
@@ -154,7 +154,7 @@ RobustEvent = Rejected | Disagreement | Restarted | Distrusted | Turned | Late
 
 
 @dataclass(frozen=True, eq=False)
-class RobustBelief:
+class RobustBelief(Frozen):
     """What the robust filter knows at one time.
 
     Attributes:
@@ -178,10 +178,6 @@ class RobustBelief:
     suspended: Array
     disputed: Array
     events: tuple[RobustEvent, ...] = ()
-
-    def __post_init__(self) -> None:
-        for name in ("doubtful_since", "suspended", "disputed"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def in_force(self) -> Mask:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Mask, number, read_only
-from filter.errors import InvalidInput
+from filter.arrays import Array, Frozen, Mask, positive, settle
 
 
 @dataclass(frozen=True)
@@ -49,12 +48,11 @@ class Alignment:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if number(name, value, 0, 1 if name == "share" else np.inf) == 0:
-                raise InvalidInput(f"{name}: above 0", 0)
+            settle(self, **{name: positive(name, value, 1 if name == "share" else np.inf)})
 
 
 @dataclass(frozen=True, eq=False)
-class Offsets:
+class Offsets(Frozen):
     """What motion says of n cameras.
 
     Attributes:
@@ -80,10 +78,6 @@ class Offsets:
     good_until: Array
     bad_since: Array
     suspected: Mask
-
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     @classmethod
     def none(cls, robots: int, time: float) -> Offsets:

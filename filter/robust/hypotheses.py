@@ -9,12 +9,12 @@ relaxed intersection (Jaulin, Robust set-membership state estimation, Automatica
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask, read_only
+from filter.arrays import Array, Integers, Mask, Table
 from filter.errors import InvalidInput
 from filter.geometry.polygon import Polygon, clip
 from filter.robust.slices import COUNT, DIRECTIONS, QUARTER, regrid
@@ -25,7 +25,7 @@ STRETCHED = 1.5  # of a cell; when the slices of a robot are as wide as this on 
 
 
 @dataclass(frozen=True, eq=False)
-class Hypotheses:
+class Hypotheses(Table):
     """Slices of one robot's poses.
 
     Attributes:
@@ -40,26 +40,10 @@ class Hypotheses:
     high: Array
     reach: Array
 
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
-
-    def __len__(self) -> int:
-        return len(self.without)
-
     @classmethod
     def agreed(cls, reach: Array, low: float = -np.pi, high: float = np.pi) -> Hypotheses:
         """Return one agreed slice: a polygon by its supports (COUNT,) [m], any heading from low to high [rad]."""
         return cls(np.array([AGREED]), np.array([low]), np.array([high]), reach.reshape(1, COUNT).copy())
-
-    @classmethod
-    def concatenate(cls, parts: Sequence[Hypotheses]) -> Hypotheses:
-        """Return the slices of all parts."""
-        return cls(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(cls)))
-
-    def select(self, rows: Integers | Mask) -> Hypotheses:
-        """Return some slices."""
-        return Hypotheses(self.without[rows], self.low[rows], self.high[rows], self.reach[rows])
 
     def renamed(self, without: int, rows: Mask | None = None) -> Hypotheses:
         """Return the same slices, all or some of them as ones that do without this vote."""

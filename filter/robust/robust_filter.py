@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, number, whole
+from filter.arrays import Array, instance, number, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -25,6 +25,8 @@ from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Rules, Votes
 from filter.team import Team
 
+MOST_CELLS = 10_000  # slices of 0.036 degrees: with a vote or two open, some 10 MB for each robot
+
 
 @dataclass(frozen=True, eq=False)
 class RobustFilter:
@@ -38,10 +40,11 @@ class RobustFilter:
         rules: What is assumed of wrong measurements.
         suspicion: When a camera or an identity is put aside.
         alignment: When a camera is suspected to be turned or late.
-        cells: How many slices a full circle of headings has.
+        cells: How many slices a full circle of headings has, from 8 to 10 000.
 
     Raises:
-        InvalidInput: There are fewer than 8 cells, or a finite side of the arena or a landmark is beyond 1e6 m.
+        InvalidInput: An attribute is of another type, the cells are too few or too many, or a finite side of the arena or a
+            landmark is beyond 1e6 m.
     """
 
     team: Team
@@ -51,7 +54,11 @@ class RobustFilter:
     cells: int = 72
 
     def __post_init__(self) -> None:
-        whole("cells of the circle", self.cells, 8)
+        instance("team", self.team, Team)
+        instance("rules", self.rules, Rules)
+        instance("suspicion", self.suspicion, Suspicion)
+        instance("alignment", self.alignment, Alignment)
+        settle(self, cells=whole_number("cells of the circle", self.cells, 8, MOST_CELLS))
         _near("landmarks", self.team.landmarks)
         _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
 
@@ -64,19 +71,21 @@ class RobustFilter:
             headings: (n) arcs around the headings, or None when nothing is known.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ, a set is empty, or beyond 1e6 m.
+            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, a set is empty, or beyond
+                1e6 m.
         """
-        for polygon in positions:
+        begin, robots = number("time [s]", time), self.team.robots
+        polygons, known = self.team.initial(positions, headings)
+        for polygon in polygons:
             _near("initial polygons", polygon.vertices)
-        robots, known = self.team.robots, self.team.initial_headings(positions, headings)
         sets = tuple(
             Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
-            for polygon, centre, bound in zip(positions, known.centre.tolist(), known.bound.tolist(), strict=True)
+            for polygon, centre, bound in zip(polygons, known.centre.tolist(), known.bound.tolist(), strict=True)
         )
-        votes = Votes.none(robots, robots + len(self.team.landmarks), number("time [s]", time))
-        trust = Trust.full(robots, robots + len(self.team.landmarks), float(time))
-        offsets, never = Offsets.none(robots, float(time)), np.full(robots, -np.inf)
-        return RobustBelief(float(time), sets, votes, trust, offsets, -never, never, never)
+        votes = Votes.none(robots, robots + len(self.team.landmarks), begin)
+        trust = Trust.full(robots, robots + len(self.team.landmarks), begin)
+        offsets, never = Offsets.none(robots, begin), np.full(robots, -np.inf)
+        return RobustBelief(begin, sets, votes, trust, offsets, -never, never, never)
 
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time, after the robots have moved.
@@ -88,7 +97,8 @@ class RobustFilter:
             OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
             InvalidInput: The odometry ends at another time, or names an unknown robot.
         """
-        self.team.check_motion(belief.time, time, odometry)
+        self._check(belief)
+        time = self.team.check_motion(belief.time, time, odometry)
         moves = _moves(odometry, self.team, time - belief.time)
         estimating = Estimating(belief.offsets, self.alignment)
         estimating.move(moves, time - belief.time)
@@ -98,6 +108,13 @@ class RobustFilter:
         sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
         after = replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
         return without_those_who_left(after, self.rules, self.cells, self.arena)
+
+    def _check(self, belief: RobustBelief) -> None:
+        """Refuse what is no belief about this team."""
+        self.team.check_belief(belief, RobustBelief, "sets")
+        bodies, known = self.team.robots + len(self.team.landmarks), len(belief.trust.identity)
+        if known != bodies:
+            raise InvalidInput(f"a belief about a team of {bodies} robots and landmarks", f"one of {known}")
 
     def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
         """Return where in the arena a robot can be after a move; nothing is left if a bound was broken before."""
@@ -119,6 +136,7 @@ class RobustFilter:
             OutOfOrder: A record is of another time than the belief.
             InvalidInput: A record names an unknown robot or landmark.
         """
+        self._check(belief)
         records = self.team.checked(belief.time, measurements)
         sightings = Sightings.of(records, self.team.robots)
         merging = Merging(belief, self.team, self.rules, self.cells, self.arena)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Integers, read_only
+from filter.arrays import Array, Integers, Table
 from filter.measurements import Bearing, Compass, Measurement, Range
 from filter.sensing.rows import WIDENING
 
@@ -16,7 +16,7 @@ FARTHEST = 1e6  # what a bearing without a range says of the distance [m]
 
 
 @dataclass(frozen=True, eq=False)
-class Sightings:
+class Sightings(Table):
     """A bearing and a range of the same pair, or one of them; or a compass reading.
 
     Attributes:
@@ -29,10 +29,6 @@ class Sightings:
     robot: Integers
     target: Integers
     sector: Array
-
-    def __post_init__(self) -> None:
-        for name in ("robot", "target", "sector"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @classmethod
     def of(cls, measurements: Sequence[Measurement], robots: int) -> Sightings:
@@ -50,9 +46,6 @@ class Sightings:
         rows.sort(key=lambda row: (row[0] != row[1], row[1] < robots, *row))
         robot, target = (np.array([row[column] for row in rows], dtype=np.int64) for column in (0, 1))
         return cls(robot, target, np.array([row[2] for row in rows], dtype=float).reshape(-1, 4))
-
-    def __len__(self) -> int:
-        return len(self.robot)
 
 
 def _compasses(measurements: Sequence[Measurement]) -> list[tuple[int, tuple[float, float]]]:

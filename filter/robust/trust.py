@@ -7,12 +7,11 @@ names. The one with the larger share of contradicted sightings is put aside; wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Mask, number, read_only
-from filter.errors import InvalidInput
+from filter.arrays import Array, Frozen, Mask, positive, settle
 
 
 @dataclass(frozen=True)
@@ -37,14 +36,12 @@ class Suspicion:
     mercy: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("memory", "repeat", "strikes", "mercy"):
-            if number(name, getattr(self, name), 0) == 0:
-                raise InvalidInput(f"{name}: above 0", 0)
-        number("share", self.share, np.nextafter(0, 1), np.nextafter(1, 0))
+        for name, value in vars(self).items():
+            settle(self, **{name: positive(name, value, np.nextafter(1, 0) if name == "share" else np.inf)})
 
 
 @dataclass(frozen=True, eq=False)
-class Trust:
+class Trust(Frozen):
     """The record of every pair of n cameras and b bodies, and which sensors are put aside.
 
     Attributes:
@@ -66,11 +63,6 @@ class Trust:
     since: Array
     camera: Mask
     identity: Mask
-
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            if column.name != "time":
-                object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     @classmethod
     def full(cls, robots: int, bodies: int, time: float) -> Trust:

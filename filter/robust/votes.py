@@ -7,8 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from filter.arrays import Array, Mask, number, read_only, whole
-from filter.errors import InvalidInput
+from filter.arrays import Array, Frozen, Mask, number, settle, whole_number
 from filter.linear.sources import Source
 from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
 
@@ -40,15 +39,14 @@ class Rules:
     quorum: int = 3
 
     def __post_init__(self) -> None:
-        if self.tolerated not in (0, 1):
-            raise InvalidInput("0 or 1 tolerated votes", repr(self.tolerated))
+        tolerated, quorum = whole_number("tolerated votes", self.tolerated, 0, 1), whole_number("quorum", self.quorum, 1)
+        settle(self, tolerated=tolerated, quorum=quorum)
         for name in ("window", "pause", "longest", "memory"):
-            number(f"{name} [s]", getattr(self, name), 0)
-        whole("quorum", self.quorum, low=1)
+            settle(self, **{name: number(f"{name} [s]", getattr(self, name), 0)})
 
 
 @dataclass(frozen=True, eq=False)
-class Votes:
+class Votes(Frozen):
     """When there were votes on n robots. Column c of a robot is its sightings of body c; the last n, those by each robot of it.
 
     Attributes:
@@ -64,10 +62,6 @@ class Votes:
     rejected: Array
     believed: Array
     renewed: Array
-
-    def __post_init__(self) -> None:
-        for column in fields(self):
-            object.__setattr__(self, column.name, read_only(getattr(self, column.name)))
 
     def source(self, time: float, robot: int, column: int) -> Source:
         """Return what a vote on a robot at a time [s] was."""

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers
+from filter.arrays import Array, Frozen, Integers, whole_number
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
@@ -103,5 +103,10 @@ class Belief:
         return self.polytope.constraints
 
     def causes(self, robot: int, edge: int) -> tuple[Source, ...]:
-        """Return what an edge of a robot's outer polygon was proved from, one step back."""
-        return tuple(self.sources[int(number)] for number in self.regions[robot].causes[edge])
+        """Return what an edge of a robot's outer polygon was proved from, one step back.
+
+        Raises:
+            InvalidInput: There is no such robot, or no such edge.
+        """
+        causes = self.regions[whole_number("robot", robot, 0, len(self.regions) - 1)].causes
+        return tuple(self.sources[int(number)] for number in causes[whole_number("edge", edge, 0, len(causes) - 1)])

@@ -40,7 +40,7 @@ def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources)
     """
     polytope, nobody = belief.polytope, np.zeros((0, 2), dtype=np.int64)
     proved = [np.stack([proof.i, proof.j], axis=1) for proof in belief.proofs]
-    i, j = np.unique(np.concatenate([nobody, *proved]), axis=0).T
+    i, j = np.ascontiguousarray(np.unique(np.concatenate([nobody, *proved]), axis=0).T)
     normals = moves.normals
     wanted = np.concatenate([normals[j], np.where((i != WORLD)[:, None, None], -normals[i], np.nan)], axis=1)
     whose, which = np.nonzero(np.isfinite(wanted[:, :, 0]))
@@ -56,7 +56,7 @@ def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources)
 
 def _moved_box(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Array, Array]:
     robots = np.arange(len(belief.headings))
-    right, top, left, bottom = (moves.support(robots, np.broadcast_to(side, (len(robots), 2))) for side in SIDES)
+    right, top, left, bottom = (moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES)
     lower = _outward(belief.polytope.lower, -np.stack([left, bottom], axis=1), -np.inf)
     upper = _outward(belief.polytope.upper, np.stack([right, top], axis=1), np.inf)
     lower, upper = np.maximum(lower, arena[0]), np.minimum(upper, arena[1])

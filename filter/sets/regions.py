@@ -9,8 +9,10 @@ from typing import overload
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask, read_only
-from filter.geometry.polygon import Polygon, Polygons
+from filter.arrays import Array, Floats, Frozen, Integers, Mask, chosen, floats, read_only
+from filter.errors import InvalidInput
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.projection.claims import Hulls, Outlines
 from filter.projection.proved import NO_AREA, performance_ratio
@@ -93,9 +95,9 @@ class Regions(Frozen, Sequence[Region]):
     def __getitem__(self, index: slice) -> list[Region]: ...
 
     def __getitem__(self, index: int | slice) -> Region | list[Region]:
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        k = range(len(self))[index]
+        k = chosen("a robot", index, len(self))
+        if isinstance(k, range):
+            return [self[each] for each in k]
         edges = range(self.outer.first[k], self.outer.first[k + 1])
         causes = tuple(np.unique(self.cause[self.cause_first[edge] : self.cause_first[edge + 1]]) for edge in edges)
         return Region(self.outer[k], self.inner[k], int(self.searches[k]), self.reasons[k], causes)
@@ -111,6 +113,14 @@ class Regions(Frozen, Sequence[Region]):
         ratios = np.minimum(1.0, self.inner.areas / np.where(without, 1.0, outer.areas))
         return np.where(self.inner.known, np.where(without, 1.0, ratios), 0.0)
 
-    def contains(self, positions: Array) -> Mask:
-        """Return (n,) whether each outer polygon contains its own of (n, 2) positions [m]."""
-        return self.outer.contains(positions)
+    def contains(self, positions: Floats) -> Mask:
+        """Return (n,) whether each outer polygon contains its own of (n, 2) positions [m]; none one that is not finite.
+
+        Raises:
+            InvalidInput: It is not a position for each robot.
+        """
+        places = floats("positions [m]", positions)
+        if places.shape != (len(self), 2):
+            raise InvalidInput(f"positions of {len(self)} robots, (n, 2)", f"shape {places.shape}")
+        known = np.asarray(np.isfinite(places).all(axis=1))
+        return self.outer.contains(np.where(known[:, None], places, 0.0)) & known

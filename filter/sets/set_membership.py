@@ -8,14 +8,15 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Integers, number, whole
+from filter.arrays import Integers, function, instance, number, settle, shown, whole, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.polygon import Polygon, Polygons
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune
-from filter.linear.solvers import Solver, check_solver
+from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
 from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
@@ -64,7 +65,8 @@ class SetMembershipFilter:
             does not depend on it.
 
     Raises:
-        InvalidInput: No such solver is installed, no such policy, too few rows may stay, or the spacing is out of its range.
+        InvalidInput: An attribute is of another type, no such solver is installed, no such policy, too few rows may stay, or
+            the spacing is out of its range.
     """
 
     team: Team
@@ -82,20 +84,23 @@ class SetMembershipFilter:
     on_phase: Callable[[str], object] = _unheard
 
     def __post_init__(self) -> None:
-        for solver in self.solvers:
-            check_solver(solver)
-        if not isinstance(self.scope, Window):
-            raise InvalidInput("a scope: a Window, or Window.everybody()", repr(self.scope))
-        if self.policy not in get_args(Policy):
-            raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", repr(self.policy))
-        if self.budget is not None and not isinstance(self.budget, Budget):
-            raise InvalidInput("a Budget, or None", repr(self.budget))
-        if self.threads is not None:
-            whole("threads", self.threads, low=1)
-        whole("rows_per_robot", self.rows_per_robot, low=4)
-        whole("rows_per_pair", self.rows_per_pair, low=4)
-        whole("pairs", self.pairs)
-        number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2)
+        instance("team", self.team, Team)
+        instance("stop", self.stop, Stop)
+        instance("scope", self.scope, Window)
+        instance("budget", self.budget, Budget, type(None))
+        instance("exact", self.exact, bool)
+        function("on_phase", self.on_phase)
+        if not isinstance(self.policy, str) or self.policy not in get_args(Policy):
+            raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", shown(self.policy))
+        settle(
+            self,
+            solvers=checked_solvers(self.solvers),
+            rows_per_robot=whole_number("rows_per_robot", self.rows_per_robot, 4),
+            rows_per_pair=whole_number("rows_per_pair", self.rows_per_pair, 4),
+            pairs=whole_number("pairs", self.pairs),
+            tangent_spacing=number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2),
+            threads=self.threads if self.threads is None else whole_number("threads", self.threads, 1),
+        )
 
     @classmethod
     def light(cls, team: Team, **options: Any) -> Self:
@@ -116,21 +121,22 @@ class SetMembershipFilter:
             headings: (n) arcs around the headings, or None when nothing is known.
 
         Raises:
-            InvalidInput: The numbers of sets and robots differ, or a set is empty.
+            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, or a set is empty.
         """
-        robots, known = self.team.robots, self.team.initial_headings(positions, headings)
-        corners = np.array([polygon.bounds for polygon in positions])
+        begin, robots = number("time [s]", time), self.team.robots
+        polygons, known = self.team.initial(positions, headings)
+        corners = np.array([polygon.bounds for polygon in polygons])
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
         if (lower > upper).any():
             outside = int(np.flatnonzero((lower > upper).any(axis=1))[0])
             raise InvalidInput("initial polygons that reach into the arena", f"robot {outside} wholly outside")
-        sources, numbers = Sources().extended("initial set", number("time [s]", time), np.arange(robots))
+        sources, numbers = Sources().extended("initial set", begin, np.arange(robots))
         rows = [
             Constraints.on_robot(k, polygon.normals, polygon.offsets, np.full(len(polygon.offsets), numbers[k]))
-            for k, polygon in enumerate(positions)
+            for k, polygon in enumerate(polygons)
         ]
         polytope = Polytope(Constraints.concatenate(rows), lower, upper, numbers)
-        return Belief(float(time), polytope, known, sources)
+        return Belief(begin, polytope, known, sources)
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
         """Return the belief at a later time, after the robots have moved.
@@ -148,7 +154,8 @@ class SetMembershipFilter:
             Inconsistent: A robot has left the arena for sure.
         """
         self.on_phase("predict")
-        self.team.check_motion(belief.time, time, odometry)
+        self.team.check_belief(belief, Belief, "headings")
+        time = self.team.check_motion(belief.time, time, odometry)
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
@@ -169,6 +176,7 @@ class SetMembershipFilter:
                 With the policy "reject": and none of these measurements is in the conflict.
         """
         self.on_phase("headings")
+        self.team.check_belief(belief, Belief, "headings")
         records = self.team.checked(belief.time, measurements)
         is_over = self.budget.begin() if self.budget else never
         if self.policy == "raise":

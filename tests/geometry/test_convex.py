@@ -1,4 +1,4 @@
-"""Compiled geometry against shapely; what greedy removal says of itself."""
+"""Compiled geometry against shapely."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from filter.geometry.convex import area_of, centroid_of, cut_box, hull_of, worthy
-from filter.geometry.polygon import clip
+from filter.geometry.angles import wrap
+from filter.geometry.convex import area_of, centroid_of, clip_box, hull_of, side_of_box, span_of
+from filter.geometry.polygon import Polygon, clip
 
 CORNERS = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
 seeds = st.integers(0, 2**32 - 1)
@@ -36,29 +37,43 @@ def test_area_and_centre_are_those_of_the_polygon_wherever_it_is():
 
 def test_a_box_is_cut_by_what_cuts_it_alone():
     lower, upper = np.zeros(2), np.array([2.0, 1.0])
-    vertices, edges, margin = cut_box(np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([1.5, 3.0]), lower, upper)
+    vertices, behind, margin = clip_box(np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([1.5, 3.0]), lower, upper)
     assert area_of(vertices) == pytest.approx(1.5)
-    assert sorted(edges) == [-3, -2, -1, 0]
+    assert sorted(behind) == [0, 3, 4, 5]  # the cut for the right side; then top, left and bottom, numbered after the lines
     assert 0 < margin < 1e-13
-    assert not len(cut_box(np.array([[1.0, 0.0]]), np.array([-0.1]), lower, upper)[0])
+    vertices, behind, _ = clip_box(np.array([[1.0, 0.0]]), np.array([-0.1]), lower, upper)
+    assert (len(vertices), len(behind)) == (0, 0)
 
 
-@given(seeds, st.integers(3, 8), st.floats(0, 0.5))
-def test_what_removal_says_it_adds_is_what_it_adds(seed, budget, share):
+def test_the_sides_of_a_box_are_numbered_right_top_left_bottom():
+    lower, upper = np.array([-1.0, 2.0]), np.array([3.0, 7.0])
+    box = Polygon.box(lower, upper)
+    _, behind, _ = clip_box(np.zeros((0, 2)), np.zeros(0), lower, upper)
+    assert behind.tolist() == [0, 1, 2, 3]
+    for side in range(4):
+        x, y, offset = side_of_box(side, lower, upper)
+        assert ([x, y], offset) == (box.normals[side].tolist(), box.offsets[side])
+        ends = box.vertices[[side, (side + 1) % 4]]
+        assert (ends @ [x, y]).tolist() == [offset, offset]
+
+
+@given(seeds)
+def test_a_polygon_is_the_box_that_is_cut(seed):
+    """One after the other or all at once: `clip` adds the lines behind the edges to what `clip_box` returns."""
     rng = np.random.default_rng(seed)
-    angles = np.sort(rng.uniform(0, 2 * np.pi, 14))
-    normals, offsets = np.stack([np.cos(angles), np.sin(angles)], axis=1), rng.uniform(0.8, 1.0, 14)
-    polygon, edges = clip(normals, offsets, np.full(2, -5.0), np.full(2, 5.0))
-    removable = edges >= 0
-    keep, spent = worthy(polygon.normals, polygon.offsets, removable, budget, share * polygon.area)
-    rest = clip(polygon.normals[keep], polygon.offsets[keep], np.full(2, -1e3), np.full(2, 1e3))[0]
-    assert keep[~removable].all()
-    assert keep[removable].sum() <= budget
-    if np.isfinite(spent):
-        assert rest.area == pytest.approx(polygon.area + spent, rel=1e-6)
-        assert spent <= share * polygon.area or keep[removable].sum() == min(budget, removable.sum())
+    angles, offsets = rng.uniform(-np.pi, np.pi, 6), rng.uniform(-0.3, 1.0, 6)
+    normals, lower, upper = np.stack([np.cos(angles), np.sin(angles)], axis=1), -np.ones(2), np.ones(2)
+    vertices, behind, margin = clip_box(normals, offsets, lower, upper)
+    kept = clip(normals, offsets, lower, upper)
+    assert (kept is None) == (len(vertices) == 0)
+    if kept is not None:
+        assert (kept[0].vertices.tolist(), kept[0].margin, kept[1].tolist()) == (vertices.tolist(), margin, behind.tolist())
 
 
-def test_of_no_edges_none_are_kept():
-    keep, spent = worthy(np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=bool), 4, 1.0)
-    assert (len(keep), spent) == (0, 0.0)
+@pytest.mark.parametrize("turn", range(5))
+def test_a_span_is_the_same_wherever_the_vertices_begin(turn):
+    corners = np.roll(np.array([[2.0, -1.0], [3.0, 0.0], [3.0, 1.0], [2.0, 1.0], [1.5, 0.0]]), turn, axis=0)
+    centre, bound = span_of(corners, 0.0)
+    centre, low, high = float(wrap(centre)), np.arctan2(-1.0, 2.0), np.arctan2(1.0, 2.0)
+    assert (centre - bound, centre + bound) == (pytest.approx(low), pytest.approx(high))
+    assert centre - bound <= low < high <= centre + bound

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from filter.geometry.polygons import Polygons, cut_boxes, joined, places
 from helpers.worlds import unit
 
-from filter.geometry.polygon import Polygon, clip
+from filter.geometry.polygon import SIDES, Polygon, Polygons, clip, clip_boxes
 
 
 def some(rng, count=7):
@@ -36,15 +35,22 @@ def test_they_are_what_was_put_in(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_some_of_them_and_others_after_them(seed):
+def test_each_edge_has_its_owner(seed):
+    together = Polygons.of(some(np.random.default_rng(seed)))
+    assert together.owner.tolist() == [k for k in range(len(together)) for _ in together[k].offsets]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_some_are_turned_about_and_the_others_stay(seed):
     rng = np.random.default_rng(seed)
     alone = some(rng)
-    index = rng.integers(0, len(alone), 10)
-    chosen = Polygons.of(alone).select(index)
-    both = Polygons.concatenate([chosen, Polygons.of(alone)])
-    assert both.areas.tolist() == [alone[k].area for k in index] + [polygon.area for polygon in alone]
-    assert both[3].vertices.tolist() == alone[index[3]].vertices.tolist()
-    assert both.owner.tolist() == [k for k in range(len(both)) for _ in both[k].offsets]
+    which = rng.random(len(alone)) < 0.5
+    for before, after, turned in zip(alone, Polygons.of(alone).turned_about(which), which, strict=True):
+        sign = -1 if turned else 1
+        assert after.vertices.tolist() == (sign * before.vertices).tolist()
+        assert after.normals.tolist() == (sign * before.normals).tolist()
+        assert (after.offsets.tolist(), after.margin) == (before.offsets.tolist(), before.margin)
+        assert after.area == pytest.approx(before.area)
 
 
 def test_beyond_the_last_there_is_none():
@@ -67,33 +73,33 @@ def test_points_seen_from_polygons_are_in_their_spans(seed):
         assert spans[np.full(50, k)].contains(np.arctan2(directions[:, 1], directions[:, 0])).all()
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(12))
 def test_each_box_is_cut_by_its_own_half_planes(seed):
+    """Groups may have none, lie apart, or have half-planes in common; sides of boxes are numbered after all of them."""
     rng = np.random.default_rng(seed)
     groups, count = 6, 40
     normals, offsets = unit(rng.uniform(-np.pi, np.pi, count)), rng.uniform(-0.2, 1.0, count)
-    whose = np.sort(rng.integers(0, groups - 1, count))  # the last group has no half-plane
-    order = rng.permutation(count)
-    order = order[np.argsort(whose[order], kind="stable")]
-    begin, end = np.searchsorted(whose[order], np.arange(groups)), np.searchsorted(whose[order], np.arange(groups), "right")
+    begin = rng.integers(0, count, groups)
+    end = np.minimum(begin + rng.integers(0, 9, groups), count)
+    begin[-1] = end[-1] = count
     lower = rng.uniform(-2, -1, (groups, 2))
     upper = np.where(rng.uniform(size=(groups, 2)) < 0.1, lower, lower + rng.uniform(1, 4, (groups, 2)))
-    cuts = cut_boxes(normals, offsets, (order, begin, end), lower, upper)
+    clipped = clip_boxes(normals, offsets, (begin, end), lower, upper)
     for g in range(groups):
-        rows = order[begin[g] : end[g]]
+        rows = np.arange(begin[g], end[g])
         alone = clip(normals[rows], offsets[rows], lower[g], upper[g])
-        assert cuts.empty[g] == (alone is None)
-        expected = Polygon.box(lower[g], upper[g]) if alone is None else alone[0]
-        assert np.sort(cuts.polygons[g].vertices, axis=0) == pytest.approx(np.sort(expected.vertices, axis=0), abs=1e-14)
-        if alone is not None:
-            behind = cuts.edges[cuts.polygons.first[g] : cuts.polygons.first[g + 1]]
-            assert behind.tolist() == [rows[edge] if edge >= 0 else edge for edge in alone[1]]
-            assert cuts.polygons[g].normals.tolist() == expected.normals.tolist()
-            assert cuts.polygons[g].offsets.tolist() == expected.offsets.tolist()
+        assert clipped.empty[g] == (alone is None)
+        expected, behind = (Polygon.box(lower[g], upper[g]), len(rows) + np.arange(4)) if alone is None else alone
+        numbers = np.append(rows, count + np.arange(4))
+        mine = clipped.behind[clipped.polygons.first[g] : clipped.polygons.first[g + 1]]
+        assert mine.tolist() == numbers[behind].tolist()
+        found, sides = clipped.polygons[g], np.concatenate([upper[g], -lower[g]])
+        assert found.vertices == pytest.approx(expected.vertices, abs=1e-14)
+        assert found.normals.tolist() == np.concatenate([normals, SIDES])[mine].tolist()
+        assert found.offsets.tolist() == np.append(offsets, sides)[mine].tolist()
 
 
-def test_pieces_of_lists():
-    at, first = places(np.array([0, 2, 2, 5]), np.array([2, 1, 0, 2]))
-    assert at.tolist() == [2, 3, 4, 0, 1, 2, 3, 4]
-    assert first.tolist() == [0, 3, 3, 5, 8]
-    assert joined([np.array([0, 2, 3]), np.array([0]), np.array([0, 1])]).tolist() == [0, 2, 3, 4]
+def test_no_boxes_are_no_polygons():
+    none = np.zeros(0, dtype=np.int64)
+    clipped = clip_boxes(unit(np.zeros(3)), np.ones(3), (none, none), np.zeros((0, 2)), np.zeros((0, 2)))
+    assert (len(clipped.polygons), len(clipped.behind), len(clipped.empty)) == (0, 0, 0)

@@ -10,7 +10,7 @@ from filter.team import Team
 
 @pytest.mark.parametrize("robots", [0, -1, 1.5, "two", None])
 def test_a_team_without_a_robot_is_refused(robots):
-    with pytest.raises(InvalidInput, match="at least one robot; came"):
+    with pytest.raises(InvalidInput, match="number of robots: whole numbers from 1 to 1000000; came"):
         Team(robots)
 
 

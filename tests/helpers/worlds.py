@@ -9,12 +9,15 @@ from fractions import Fraction
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array
+from filter.arrays import Array, Integers
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
+from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
+from filter.linear.sources import Sources
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.projection.claims import Weights
 from filter.sets.belief import Belief, Proof
 from filter.team import Team
 
@@ -121,6 +124,16 @@ def exact_slack(normal: Array, offset: float, point: Array) -> Fraction:
     """Return offset - normal . point without any rounding, for floats taken as they are."""
     products = (Fraction(float(a)) * Fraction(float(x)) for a, x in zip(normal, point, strict=True))
     return Fraction(float(offset)) - sum(products, Fraction(0))
+
+
+def claims_of(
+    polytope: Polytope, whose: tuple[Integers, Integers], lines: tuple[Array, Array], used: tuple[Integers, Array]
+) -> Proof:
+    """Return claims on robots or pairs i, j (k): normals (k, 2), offsets (k,), rows and multipliers (k, p), 0 for none."""
+    claim, place = np.nonzero(used[1])
+    first = np.searchsorted(claim, np.arange(len(used[1]) + 1))
+    weights = Weights(used[0][claim, place], used[1][claim, place], first)
+    return Proof(polytope, Sources(), *whose, *lines, weights)
 
 
 def exact_claim(proof: Proof, claim: int) -> Fraction:
@@ -234,5 +247,6 @@ def of_pair(polytope, i, j):
     return single(polytope.of(np.array([i]), np.array([j])))
 
 
-def single(cuts):
-    return (cuts.polygons[0], cuts.edges)
+def single(clipped):
+    """Return the one polygon, and what is behind each of its edges."""
+    return clipped.polygons[0], clipped.behind

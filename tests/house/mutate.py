@@ -1,4 +1,4 @@
-"""Do the tests catch every wrong sign? Flips each sign in sensing and motion, one at a time, and runs the tests on that.
+"""Do the tests catch every wrong sign? Flips each sign in sectors, rows and motion, one at a time, and runs the tests on that.
 
     python tests/house/mutate.py
 
@@ -16,12 +16,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-MODULES = ("filter/sensing/rows.py", "filter/sensing/motion.py")
+MODULES = ("filter/geometry/sector.py", "filter/sensing/rows.py", "filter/sensing/motion.py")
 # The nearest tests first: they catch most, and quickly.
 TESTS = (
-    ("tests/sensing/test_rows.py", "tests/sensing/test_motion.py"),
+    ("tests/geometry/test_sector.py", "tests/sensing/test_rows.py", "tests/sensing/test_motion.py"),
     ("tests/sets/test_set_membership.py", "tests/laws/test_signs.py"),
-    ("tests/laws/test_laws.py",),
+    ("tests/laws/test_minkowski.py", "tests/laws/test_laws.py"),
 )
 LIMIT = 600  # [s]; a mutant that takes longer is caught
 FLIPPED = {

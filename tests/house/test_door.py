@@ -16,7 +16,6 @@ WORKSHOPS = ("timed", "optimum", "paper", "proof", "growth")
 # What else goes past the door, and for what.
 PAST = {
     "experiments/certified_bounds.py": "linear programs, with and without a proof",
-    "experiments/follow/ellipses.py": "regions of one robot seen from another",
     "experiments/follow/frozen.py": "the checks of numbers and arrays that all records share",
     "experiments/logs/fields.py": "the same checks",
     "experiments/logs/records.py": "the same checks",

@@ -1,4 +1,4 @@
-"""Rows on single robots and on pairs: normal . (x_j - x_i) <= offset."""
+"""Rows on single robots and on pairs, normal . (x_j - x_i) <= offset, always sorted."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,9 @@ from helpers.worlds import exact_slack, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
+from filter.linear.constraints import WORLD, Constraints, may_be_broken, rounding_of_rows
+
+seeds = st.integers(0, 2**32 - 1)
 
 
 def some_rows(rng, robots=5, count=12):
@@ -15,14 +17,72 @@ def some_rows(rng, robots=5, count=12):
     return Constraints.between(i, j, unit(rng.uniform(-np.pi, np.pi, count)), rng.normal(size=count), np.arange(count))
 
 
+def columns(rng, robots=4, count=30):
+    """Return columns of rows on robots and on pairs in any order, numbered by their sources."""
+    pairs = [(i, j) for j in range(robots) for i in range(WORLD, j)]
+    i, j = np.array(pairs)[rng.integers(0, len(pairs), count)].reshape(-1, 2).T
+    return i, j, unit(rng.uniform(-np.pi, np.pi, count)), rng.normal(size=count), np.arange(count)
+
+
+@given(seeds, st.integers(1, 6), st.integers(0, 40))
+def test_rows_are_sorted_by_robots_and_pairs_whatever_order_they_come_in(seed, robots, count):
+    """Single robots come first, and within a robot or a pair rows keep their order; the columns of a row stay together."""
+    came = columns(np.random.default_rng(seed), robots, count)
+    rows, (i, j, *_) = Constraints(*came), came
+    order = sorted(range(count), key=lambda row: (i[row], j[row], row))
+    for mine, theirs in zip(rows.columns, came, strict=True):
+        assert mine.tolist() == theirs[order].tolist()
+        assert mine.dtype == theirs.dtype
+
+
+@given(seeds)
+def test_joined_and_selected_rows_are_sorted_too(seed):
+    """The rows of the first part come first within each robot and pair, those of one part in the order they had there."""
+    rng = np.random.default_rng(seed)
+    one, other = Constraints(*columns(rng, 3)), Constraints(*columns(rng, 5))
+    both = Constraints.concatenate([one, other])
+    every = [*zip([0] * 30, one.i, one.j, one.source, strict=True), *zip([1] * 30, other.i, other.j, other.source, strict=True)]
+    expected = sorted(every, key=lambda row: (row[1], row[2], row[0], row[3]))
+    assert both.source.tolist() == [source for _, _, _, source in expected]
+    chosen = rng.integers(0, 30, 12)
+    again = one.select(chosen)
+    wanted = sorted(range(12), key=lambda place: (one.i[chosen[place]], one.j[chosen[place]], place))
+    assert again.source.tolist() == one.source[chosen[wanted]].tolist()
+    assert again.offset.tolist() == one.offset[chosen[wanted]].tolist()
+
+
+@given(seeds, st.integers(1, 5), st.sampled_from([0, 1, 5, 30]))
+def test_groups_are_the_rows_of_each_pair_and_no_others(seed, robots, count):
+    """Also of robots that have no row, beyond the last one that has some, and of those that nobody has asked for before."""
+    rows = Constraints(*columns(np.random.default_rng(seed), robots, count))
+    asked = np.random.default_rng(seed).permutation([(i, j) for j in range(9) for i in range(WORLD, j)])
+    for (i, j), some in zip(asked, map(np.arange, *rows.groups(*asked.T)), strict=True):
+        slowly = [row for row in range(count) if (rows.i[row], rows.j[row]) == (i, j)]
+        assert some.tolist() == rows.rows_of(i, j).tolist() == slowly
+    none = np.zeros(0, dtype=np.int64)
+    assert [each.tolist() for each in rows.groups(none, none)] == [[], []]
+
+
+@given(seeds, st.integers(1, 5), st.sampled_from([0, 1, 5, 30]))
+def test_the_groups_that_there_are_lie_end_to_end(seed, robots, count):
+    rows = Constraints(*columns(np.random.default_rng(seed), robots, count))
+    i, j, first = rows.grouped()
+    there = sorted(set(zip(rows.i.tolist(), rows.j.tolist(), strict=True)))
+    assert list(zip(i.tolist(), j.tolist(), strict=True)) == there
+    assert (first[0], first[-1]) == (0, count)
+    for k, pair in enumerate(there):
+        assert np.arange(first[k], first[k + 1]).tolist() == rows.rows_of(*pair).tolist()
+
+
 def test_rows_on_pairs_in_either_order_say_the_same():
     rng = np.random.default_rng(0)
     i, j, normal, positions = np.array([3, 0]), np.array([1, 2]), unit(np.array([0.3, 2.0])), rng.normal(size=(4, 2))
     rows = Constraints.between(i, j, normal, np.zeros(2), np.array([7, 8]))
     assert (rows.i < rows.j).all()
+    assert rows.source.tolist() == [8, 7]
+    came = rows.source - 7
     said = (rows.normal * (positions[rows.j] - positions[rows.i])).sum(axis=1)
-    assert said.tolist() == (normal * (positions[j] - positions[i])).sum(axis=1).tolist()
-    assert rows.source.tolist() == [7, 8]
+    assert said.tolist() == (normal * (positions[j] - positions[i])).sum(axis=1)[came].tolist()
 
 
 def test_the_matrix_gives_what_each_row_says():
@@ -45,8 +105,9 @@ def test_no_rows_make_a_matrix_without_rows():
 def test_rows_are_selected_by_index_and_by_mask():
     rows = some_rows(np.random.default_rng(2))
     chosen = np.array([3, 5])
-    assert rows.select(chosen).source.tolist() == [3, 5]
-    assert rows.select(rows.source > 9).source.tolist() == [10, 11]
+    assert rows.select(chosen).source.tolist() == rows.source[chosen].tolist()
+    assert sorted(rows.select(rows.source > 9).source) == [10, 11]
+    assert len(rows.select(rows.source > 99)) == 0
 
 
 @given(st.floats(-1e9, 1e9), st.floats(-1e9, 1e9))
@@ -86,3 +147,24 @@ def test_the_rows_of_a_pair_are_those_and_no_others(seed):
     for i in range(WORLD, 9):
         for j in range(max(i, WORLD) + 1, 9):
             assert sorted(rows.rows_of(i, j)) == np.flatnonzero((rows.i == i) & (rows.j == j)).tolist()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_row_that_seems_to_hold_nowhere_in_the_box_is_seen(seed):
+    """Against all corners of both boxes: the least that a row can say is at one of them."""
+    rng = np.random.default_rng(seed)
+    lower = rng.uniform(-1, 0, (4, 2))
+    upper = lower + rng.uniform(0, 1, (4, 2))
+    rows = Constraints(*columns(rng, 4, 8))
+    box = np.stack([lower, upper])
+    least = np.full(8, np.inf)
+    for corner in np.ndindex(2, 2, 2, 2):
+        of_j = np.stack([box[corner[m], rows.j, m] for m in range(2)], axis=1)
+        of_i = np.stack([box[corner[2 + m], rows.i, m] for m in range(2)], axis=1)
+        least = np.minimum(least, (rows.normal * (of_j - np.where((rows.i == WORLD)[:, None], 0.0, of_i))).sum(axis=1))
+    barely = Constraints(rows.i, rows.j, rows.normal, least + 1e-9, rows.source)
+    assert not may_be_broken(barely.rows, lower, upper)
+    for row in range(8):
+        offset = barely.offset.copy()
+        offset[row] -= 2e-9
+        assert may_be_broken((*barely.rows[:3], offset), lower, upper)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from helpers.worlds import NO_ROWS, of_pair, of_robot, unit
 
+from filter.geometry.polygon import SIDES
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 
@@ -43,7 +44,10 @@ def test_polygons_at_a_glance_contain_what_the_polytope_allows(seed):
 def test_edges_name_their_rows():
     team, _ = polytope(np.random.default_rng(0))
     for polygon, edges, wanted in ((*of_robot(team, 1), (-1, 1)), (*of_pair(team, 0, 2), (0, 2))):
-        for k in np.flatnonzero(edges >= 0):
+        rows, sides = np.flatnonzero(edges < len(team.constraints)), np.flatnonzero(edges >= len(team.constraints))
+        assert len(rows) >= 2
+        assert polygon.normals[sides].tolist() == SIDES[edges[sides] - len(team.constraints)].tolist()
+        for k in rows:
             row = edges[k]
             assert (team.constraints.i[row], team.constraints.j[row]) == wanted
             assert polygon.normals[k].tolist() == team.constraints.normal[row].tolist()

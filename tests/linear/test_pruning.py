@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from filter.geometry.polygons import cut_boxes
 from helpers.worlds import NO_ROWS, of_robot, unit
 
-from filter.geometry.polygon import clip
+from filter.geometry.polygon import clip, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune, worthy_rows
@@ -22,9 +21,9 @@ def polytope(rng, robots=3, each=20):
 def worthy(normals, offsets, half, budget):
     """Return the rows to keep of the part of a box that lies in some half-planes, and those that are edges at all."""
     corner, count = np.full((1, 2), half), len(offsets)
-    cuts = cut_boxes(normals, offsets, (np.arange(count), np.array([0]), np.array([count])), -corner, corner)
-    edges = cuts.edges[cuts.edges >= 0]
-    return worthy_rows(cuts, np.array([len(edges) + budget if budget < 0 else budget])), edges
+    clipped = clip_boxes(normals, offsets, (np.array([0]), np.array([count])), -corner, corner)
+    edges = clipped.behind[clipped.behind < count]
+    return worthy_rows(clipped, np.array([len(edges) + budget if budget < 0 else budget]), count), edges
 
 
 def groups_of(rows):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from projection.test_exact import random_program
+from helpers.worlds import random_program
 from scipy import sparse
 
 from filter.linear.program import LinearProgram
@@ -13,7 +13,7 @@ from filter.linear.scaled import ScaledProgram
 @pytest.mark.parametrize("seed", range(5))
 def test_points_multipliers_and_objectives_mean_the_same(seed, at):
     rng = np.random.default_rng(seed)
-    program = random_program(rng, 3, 30, at=at)
+    program = random_program(rng, 3, 30, origin=at)
     scaled = ScaledProgram.of(program)
     z, y, c = rng.uniform(-1, 1, (4, 6)), rng.exponential(1, (2, len(scaled.live))), rng.normal(size=6)
     x = scaled.points(z)

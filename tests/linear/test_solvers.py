@@ -95,7 +95,7 @@ def test_nothing_that_a_solver_throws_escapes(monkeypatch):
     def thrown(*_, **__):
         raise RuntimeError("out of luck")
 
-    monkeypatch.setattr(solvers.qpsolvers, "solve_problem", thrown)
+    monkeypatch.setattr("qpsolvers.solve_problem", thrown)
     assert workspace(random_program(np.random.default_rng(0)), "highs").maximize(np.ones(4)) is None
 
 
@@ -106,3 +106,14 @@ def test_a_program_without_a_point_is_no_answer_or_a_candidate(solver):
     )
     found = workspace(program, solver).maximize(np.array([0.0, 1.0]))
     assert found is None or np.isfinite(found.point).all()
+
+
+def test_a_solver_that_is_not_installed_is_told_with_those_that_are(monkeypatch):
+    check_solver("piqp")
+    monkeypatch.setitem(solvers.PACKAGES, "piqp", ("not_installed",))
+    monkeypatch.setattr("qpsolvers.available_solvers", ["highs"])
+    for solver in ("piqp", "nobody's", ["piqp"], None):
+        with pytest.raises(InvalidInput, match="a solver among exact, highs, highs-simplex"):
+            check_solver(solver, ["exact"])
+    check_solver("exact", ["exact"])
+    check_solver("highs")

@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.projection.inside import CORNERS, LEAST_RATIO, slack_at
+from filter.projection.inside import LEAST_RATIO, MOST_CORNERS, slack_at
 from filter.projection.stop import Stop
 
 
@@ -62,14 +62,14 @@ def test_it_is_within_the_outer_one_and_fills_it(seed):
     for robot, outer in enumerate(outlines.outer):
         inner = outlines.inner[robot]
         assert outer.contains(inner.vertices).all()
-        assert len(inner.vertices) <= CORNERS
+        assert len(inner.vertices) <= MOST_CORNERS
         assert LEAST_RATIO - 1e-6 <= inner.area / outer.area <= 1
 
 
 def test_corners_at_a_great_price_are_spared():
     polytope = single(unit(2 * np.pi * np.arange(300) / 300), np.ones(300), [-2, -2], [2, 2])
     inner = inside(polytope).inner[0]
-    assert len(inner.vertices) <= CORNERS
+    assert len(inner.vertices) <= MOST_CORNERS
     assert inner.area > 0.99 * np.pi
 
 

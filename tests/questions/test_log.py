@@ -200,7 +200,7 @@ FAULTS = {
     "header: another format": ("header", lambda r: r.update(format="bag"), "corral-log"),
     "header: a version to come": ("header", lambda r: r.update(version=2), "version 2"),
     "header: no version": ("header", lambda r: r.pop("version"), '"version"'),
-    "header: no robots": ("header", lambda r: r.update(robots=0), "at least one robot"),
+    "header: no robots": ("header", lambda r: r.update(robots=0), "number of robots"),
     "header: half a robot": ("header", lambda r: r.update(robots=2.5), "whole number"),
     "header: a negative speed": ("header", lambda r: r.update(speed_limit=-1), "speed limit"),
     "header: an arena inside out": ("header", lambda r: r["arena"][0].__setitem__(0, 9), "arena"),

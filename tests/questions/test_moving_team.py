@@ -1,7 +1,10 @@
 import json
 import shutil
 import socket
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -96,6 +99,26 @@ def test_a_check_is_one_robot_at_one_frame(simulated):
     summary = summary_in(simulated)
     assert summary["checks"] == summary["heading_checks"] == 20 * 3
     assert summary["escapes"] == summary["heading_escapes"] == 0
+
+
+NEW_PROCESS = """
+import sys
+from pathlib import Path
+from experiments.follow.scenarios import from_log
+from experiments.follow.steps import steps, warmed_up
+from filter import SetMembershipFilter
+
+scenario = from_log(Path(sys.argv[1]))
+print(max(step.seconds for step in steps(SetMembershipFilter(scenario.team), scenario)), warmed_up())
+"""
+
+
+def test_no_step_waits_for_what_is_compiled_or_loaded_and_the_summary_tells_how_long_that_took(simulated):
+    command = [sys.executable, "-c", NEW_PROCESS, str(simulated / "log.jsonl")]
+    run = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=True)
+    slowest, waited = map(float, run.stdout.split())
+    assert slowest < waited / 2
+    assert summary_in(simulated)["warm_up_s"] > 0
 
 
 def test_a_run_counts_what_its_log_holds(simulated):

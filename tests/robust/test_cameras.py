@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust.test_robust_filter import started, world_of
+from helpers.robust_worlds import GUILTY, inside, started, turned_in, world_of
 
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
@@ -14,8 +14,6 @@ from filter.robust.belief import Late, Restarted, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.team import Team
-
-GUILTY = 1
 
 
 def touring(world, count, by=0.0, during=(0, np.inf), known="position"):
@@ -33,17 +31,6 @@ def turned(records, by):
     return [replace(r, bearing=r.bearing + by * (r.robot == GUILTY)) if isinstance(r, Bearing) else r for r in records]
 
 
-def inside(belief, world):
-    """Return (n,) whether positions, and whether headings, are inside."""
-    outers = [region.outer for region in belief.regions]
-    places = np.array([bool(outer.contains(place)) for outer, place in zip(outers, world.positions, strict=True)])
-    return places, belief.headings.contains(world.headings)
-
-
-def named(beliefs):
-    return [event for belief in beliefs for event in belief.events if isinstance(event, Turned)]
-
-
 @pytest.mark.parametrize("begins", [0, 60])
 @pytest.mark.parametrize("by", np.radians([-20, 20]))
 @pytest.mark.parametrize("seed", range(4))
@@ -57,7 +44,7 @@ def test_a_turned_camera_is_suspected_and_the_others_keep_their_guarantee(seed, 
         if belief.offsets.turned[GUILTY] and not belief.events:
             assert places.all()
             assert headings.all()
-    (event,) = named(beliefs)
+    (event,) = turned_in(beliefs)
     assert (event.robot, event.aside) == (GUILTY, True)
     assert event.since <= 0.4 * begins < event.time < 0.4 * begins + 20
     assert np.sign(event.offset) == np.sign(by)
@@ -80,13 +67,13 @@ def test_good_cameras_are_never_suspected(seed, errors):
 def test_a_camera_off_by_half_its_bound_is_a_good_one(share):
     world = world_of(5)
     for belief in touring(world, 250, share * world.bearing):
-        assert named([belief]) == []
+        assert turned_in([belief]) == []
 
 
 def test_a_robot_of_a_suspected_camera_starts_over_and_says_since_when_it_is_doubtful():
     world = world_of(2)
     beliefs = list(touring(world, 100, np.radians(20), (40, np.inf)))
-    (belief,) = [each for each in beliefs if named([each])]
+    (belief,) = [each for each in beliefs if turned_in([each])]
     (restart,) = [event for event in belief.events if isinstance(event, Restarted)]
     assert (restart.robot, restart.because) == (GUILTY, "its camera is suspected to be turned")
     assert restart.doubtful_since <= 16.0
@@ -97,8 +84,8 @@ def test_a_robot_of_a_suspected_camera_starts_over_and_says_since_when_it_is_dou
 def test_a_camera_that_is_set_right_is_trusted_again():
     world = world_of(3)
     beliefs = list(touring(world, 500, np.radians(20), (30, 150)))
-    assert [(event.robot, event.aside) for event in named(beliefs)] == [(GUILTY, True), (GUILTY, False)]
-    assert "trusted again" in str(named(beliefs)[1])
+    assert [(event.robot, event.aside) for event in turned_in(beliefs)] == [(GUILTY, True), (GUILTY, False)]
+    assert "trusted again" in str(turned_in(beliefs)[1])
     assert beliefs[-1].headings.bound[GUILTY] < 0.3
 
 
@@ -108,7 +95,7 @@ def test_a_robot_whose_camera_is_trusted_again_starts_over_and_is_inside_from_th
     """Its slices were those of the camera's heading, which has changed since."""
     world, trusted = world_of(seed), False
     for step, belief in enumerate(touring(world, 240, by, (30, 150))):
-        if any(not event.aside for event in named([belief])) and step >= 150:
+        if any(not event.aside for event in turned_in([belief])) and step >= 150:
             (restart,) = [event for event in belief.events if isinstance(event, Restarted) and event.robot == GUILTY]
             assert restart.because == "its camera is trusted again"
             trusted = True
@@ -129,7 +116,7 @@ def test_robots_that_turn_much_between_pictures_have_good_cameras(duration, spee
         turn = np.where(np.hypot(*away.T) > world.size / 2, home, world.rng.uniform(-rate, rate, 3) * duration)
         belief = robust.predict(belief, world.time + duration, world.drive(np.full(3, speed * duration), turn, duration))
         belief = robust.update(belief, world.measure(compasses=False))
-        assert named([belief]) == []
+        assert turned_in([belief]) == []
 
 
 @pytest.mark.parametrize("by", np.radians([-20, 20]))
@@ -139,7 +126,7 @@ def test_a_robot_that_is_bumped_has_a_good_camera(by):
         world = world_of(seed)
         for step, belief in enumerate(touring(world, 200)):
             world.headings = world.headings + by * (step == 60) * (np.arange(3) == GUILTY)
-            assert named([belief]) == []
+            assert turned_in([belief]) == []
 
 
 def test_the_estimate_begins_where_little_is_known_and_finds_the_offset():

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust.test_cameras import GUILTY, inside, named
-from robust.test_robust_filter import missing, started, world_of
+from helpers.robust_worlds import GUILTY, inside, missing, started, turned_in, world_of
 
 from filter.geometry.angles import wrap
 from filter.measurements import Bearing, Range
@@ -75,7 +74,7 @@ def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
     ]
     assert restart.robot == GUILTY
     assert 0 <= restart.doubtful_since == event.since <= 0.2 * begins
-    assert all(not each.aside or each.robot != GUILTY for each in named(beliefs[int(event.time / 0.2) :]))
+    assert all(not each.aside or each.robot != GUILTY for each in turned_in(beliefs[int(event.time / 0.2) :]))
 
 
 @pytest.mark.parametrize("seed", range(3))

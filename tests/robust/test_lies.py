@@ -8,7 +8,7 @@ from helpers.worlds import World, escapes
 from filter.errors import Inconsistent
 from filter.geometry.polygon import Polygon
 from filter.measurements import Range
-from filter.sets.belief import Fallback
+from filter.sets.events import Fallback
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
@@ -31,7 +31,7 @@ def followed(world, estimator, steps=3):
 def test_a_liar_alone_loses_nobody(lie, often, errors):
     liar = Liar(lie, np.random.default_rng(1), often)
     world = World(np.random.default_rng(2), robots=3, errors=errors)
-    for belief in followed(world, SetMembershipFilter(world.team, liar, fallbacks=())):
+    for belief in followed(world, SetMembershipFilter(world.team, exact=False, solvers=(liar,))):
         assert escapes(belief, world.positions, world.headings) == []
     assert liar.told > 3
 
@@ -40,7 +40,7 @@ def test_a_liar_alone_loses_nobody(lie, often, errors):
 def test_the_next_solver_makes_good_for_a_liar(lie):
     liar = Liar(lie, np.random.default_rng(3))
     one, other = (World(np.random.default_rng(4), robots=3) for _ in range(2))
-    lied_to = followed(one, SetMembershipFilter(one.team, liar))
+    lied_to = followed(one, SetMembershipFilter(one.team, exact=False, solvers=(liar, "piqp", "highs")))
     honest = followed(other, SetMembershipFilter(other.team))
     for belief, reference in zip(lied_to, honest, strict=True):
         areas, wanted = ([region.outer.area for region in each.regions] for each in (belief, reference))
@@ -53,7 +53,8 @@ def test_the_next_solver_makes_good_for_a_liar(lie):
 @EVERY
 def test_what_is_inconsistent_is_found_in_spite_of_a_liar(lie):
     team = Team(2)
-    estimator = SetMembershipFilter(team, Liar(lie, np.random.default_rng(5)))
+    solvers = Liar(lie, np.random.default_rng(5)), "piqp", "highs"
+    estimator = SetMembershipFilter(team, exact=False, solvers=solvers)
     belief = estimator.start(0.0, [Polygon.box([0, 0], [1, 1]), Polygon.box([2, 0], [3, 1])])
     with pytest.raises(Inconsistent) as raised:
         estimator.update(belief, [Range(0, 0, 1, 1.2, 0.1, 0), Range(0, 1, 0, 2.9, 0.1, 0)])
@@ -67,13 +68,13 @@ def test_when_every_solver_fails_the_propagated_polygon_is_left(broken):
 
     world = World(np.random.default_rng(6), robots=3)
     liar = Liar("gives up", np.random.default_rng(7))
-    estimator = SetMembershipFilter(world.team, no_workspace, fallbacks=() if broken == "set-up" else (liar,))
+    estimator = SetMembershipFilter(world.team, exact=False, solvers=(no_workspace, liar)[: 1 if broken == "set-up" else 2])
     belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
     moved = estimator.predict(belief, 0.1, world.move())
     after = estimator.update(moved, world.measure())
     names = ("no_workspace",) if broken == "set-up" else ("no_workspace", "Liar")
-    assert after.events == tuple(Fallback(robot, names, None) for robot in (None, 0, 1, 2))
-    assert str(after.events[1]) == f"the region of robot 0: no good answer of {', '.join(names)}, nobody took over"
+    assert after.events == tuple(Fallback(robot, names, None) for robot in (0, 1, 2, None))
+    assert str(after.events[0]) == f"the region of robot 0: no good answer of {', '.join(names)}, nobody took over"
     for before, now in zip(moved.regions, after.regions, strict=True):
         assert now.inner is None
         assert now.reason == "solver"

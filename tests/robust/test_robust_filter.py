@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.worlds import World
+from helpers.robust_worlds import ARENA, missing, started, world_of
 
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals, wrap
@@ -14,27 +14,8 @@ from filter.robust.belief import Disagreement, Distrusted, Restarted
 from filter.robust.hypotheses import AGREED
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
-from filter.sets.belief import Rejected
+from filter.sets.events import Rejected
 from filter.team import Team
-
-ARENA = [[-3.0, -3.0], [9.0, 9.0]]
-
-
-def world_of(seed, robots=3, landmarks=5, **options):
-    world = World(np.random.default_rng(seed), robots=robots, landmarks=landmarks, sight=5.0, **options)
-    world.team = replace(world.team, arena=ARENA)
-    return world
-
-
-def started(robust, world, known="pose"):
-    sets = [Polygon.box(*ARENA)] * world.robots if known == "arena" else world.initial_sets()
-    return robust.start(0.0, sets, world.initial_headings() if known == "pose" else None)
-
-
-def missing(belief, world):
-    """Robots whose position or heading is outside."""
-    inside = [bool(region.outer.contains(place)) for region, place in zip(belief.regions, world.positions, strict=True)]
-    return np.flatnonzero(~(np.array(inside) & belief.headings.contains(world.headings))).tolist()
 
 
 def stays_in_the_arena(world):

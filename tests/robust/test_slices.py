@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filter.geometry.polygon import Polygon
+from filter.geometry.sector import WIDEST, far_and_near, sides, trapezoid
 from filter.robust.hypotheses import Hypotheses
 from filter.robust.slices import (
     COUNT,
     DIRECTIONS,
+    TANGENT_ANGLE,
     move,
     narrow,
     sector_supports,
@@ -64,6 +66,29 @@ def test_the_axes_are_among_the_directions_exactly():
 def test_the_support_of_a_sector_is_beyond_all_its_points(centre, bound, nearest, more, within):
     point = (nearest + within[0] * more) * direction(centre + within[1] * min(bound, np.pi))
     assert (DIRECTIONS @ point <= sector_supports(centre, bound, nearest, nearest + more) + 1e-12).all()
+
+
+@given(st.floats(-4, 4), st.floats(0, 3.2), st.floats(0, 3), st.floats(0.1, 5))
+def test_a_sector_reaches_no_farther_than_its_trapezoid_and_its_disc(centre, bound, nearest, more):
+    farthest = nearest + more
+    corners = trapezoid(centre, bound, nearest, farthest)
+    reach = np.minimum(supports(corners), farthest) if bound < WIDEST else np.full(COUNT, farthest)
+    assert sector_supports(centre, bound, nearest, farthest) == pytest.approx(reach, abs=1e-11)
+
+
+@given(st.floats(-4, 4), st.sampled_from([0.01, 0.3, 1.0, 2.0, np.pi]), st.floats(0, 2), st.floats(0.1, 2), st.floats(-1, 1))
+def test_a_place_is_seen_from_where_the_half_planes_of_the_sector_say(way, bound, nearest, more, aside):
+    """Those of `filter.geometry.sector`, turned round: the place is in the sector of whoever sees it."""
+    place, heading = np.array([0.3, aside]), 0.7
+    around, reach = far_and_near(way, bound, nearest, nearest + more, TANGENT_ANGLE)
+    beside = sides(way, bound) if bound < np.pi / 2 else np.zeros((0, 2))
+    normals, offsets = -np.concatenate([around, beside]), np.append(reach, np.zeros(len(beside)))
+    square = supports([[-9, -9], [9, 9], [-9, 9], [9, -9]])
+    lines = np.concatenate([DIRECTIONS, normals]), np.append(square, offsets + normals @ place)
+    expected = Polygon.from_half_planes(*lines, [-9, -9], [9, 9]).support(DIRECTIONS)
+    low, high, mine = np.array([heading]), np.array([heading]), square[None].copy()
+    assert see_place(low, high, mine, place, np.array([way - heading, bound, nearest, nearest + more]))[0]
+    assert mine[0] == pytest.approx(np.minimum(square, expected), abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from filter.sets.headings import narrowed_headings
 from helpers.worlds import World, of_robot
 
 from filter.errors import Inconsistent
 from filter.measurements import Bearing, Compass, Range
+from filter.sensing.headings import narrowed_headings
 from filter.sets.set_membership import SetMembershipFilter
 
 
@@ -16,28 +16,32 @@ def begun(seed, errors="uniform"):
     return world, belief
 
 
+def narrowed(world, belief, records):
+    return narrowed_headings(belief.headings, belief.polytope, records, world.team.landmarks)
+
+
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])
 @pytest.mark.parametrize("seed", range(8))
 def test_the_true_heading_stays_and_nothing_grows(seed, errors):
     world, belief = begun(seed, errors)
-    narrowed = narrowed_headings(belief, world.measure(), world.team.landmarks)
-    assert narrowed.contains(world.headings).all()
-    assert (narrowed.bound <= belief.headings.bound + 1e-12).all()
-    assert (narrowed.bound <= world.compass + 1e-9).all()
+    found = narrowed(world, belief, world.measure())
+    assert found.contains(world.headings).all()
+    assert (found.bound <= belief.headings.bound + 1e-12).all()
+    assert (found.bound <= world.compass + 1e-9).all()
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_order_of_records_makes_no_difference(seed):
     world, belief = begun(seed)
     records = world.measure()
-    one, other = (narrowed_headings(belief, some, world.team.landmarks) for some in (records, records[::-1]))
+    one, other = (narrowed(world, belief, some) for some in (records, records[::-1]))
     assert (one.centre.tolist(), one.bound.tolist()) == (other.centre.tolist(), other.bound.tolist())
 
 
 def test_ranges_alone_say_nothing_of_headings():
     world, belief = begun(0)
     ranges = [record for record in world.measure() if isinstance(record, Range)]
-    assert narrowed_headings(belief, ranges, world.team.landmarks).bound.tolist() == belief.headings.bound.tolist()
+    assert narrowed(world, belief, ranges).bound.tolist() == belief.headings.bound.tolist()
 
 
 def test_a_bearing_to_a_known_place_tells_the_heading():
@@ -45,16 +49,16 @@ def test_a_bearing_to_a_known_place_tells_the_heading():
     robot, mark = 0, world.team.landmarks[0]
     offset = mark - world.positions[robot]
     bearing = np.arctan2(offset[1], offset[0]) - world.headings[robot]
-    narrowed = narrowed_headings(belief, [Bearing(0.0, robot, 4, bearing, 0.01)], world.team.landmarks)
+    found = narrowed(world, belief, [Bearing(0.0, robot, 4, bearing, 0.01)])
     corners = mark - of_robot(belief.polytope, robot)[0].vertices
     angles = np.unwrap(np.sort(np.arctan2(corners[:, 1], corners[:, 0])))
     if np.ptp(angles) < 1:  # seen from all of the start's box within this angle
-        assert narrowed.bound[robot] <= np.ptp(angles) / 2 + 0.01 + 1e-6
+        assert found.bound[robot] <= np.ptp(angles) / 2 + 0.01 + 1e-6
 
 
 def test_readings_that_exclude_one_another_are_named():
     world, belief = begun(2)
     first, second = Compass(0.0, [1], world.headings[1] + 0.1, 0.05), Compass(0.0, [1], world.headings[1] - 0.1, 0.06)
     with pytest.raises(Inconsistent) as caught:
-        narrowed_headings(belief, [first, second], world.team.landmarks)
+        narrowed(world, belief, [first, second])
     assert [(source.kind, source.robot) for source in caught.value.sources] == [("compass", 1), ("compass", 1)]

@@ -3,12 +3,17 @@
 import numpy as np
 import pytest
 from helpers.worlds import unit
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.convex import area_of, hull_of
+from filter.geometry.polygon import clip
+from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
 from filter.measurements import Odometry
-from filter.sensing.motion import Displacements, displacements, turned_headings
+from filter.sensing.motion import CORNERS, Displacements, displacements, turned_headings
 from filter.team import Team
 
 PATHS = 400
@@ -156,6 +161,7 @@ def test_moved_rows_hold_after_every_displacement():
     normal = unit(rng.uniform(-np.pi, np.pi, count))
     other = np.where((i == WORLD)[:, None], 0.0, positions[i])
     rows = Constraints(i, j, normal, (normal * (positions[j] - other)).sum(axis=1), np.arange(count))
+    i, j, normal, _ = rows.rows
     moves = Displacements(rng.normal(size=(robots, 8, 2)), np.full(robots, 9.0), rng.uniform(0, 0.3, robots))
     moved = moves.moved(rows)
     reached = np.full(count, -np.inf)
@@ -169,3 +175,58 @@ def test_moved_rows_hold_after_every_displacement():
         reached = np.maximum(reached, said)
     assert (moved.offset - reached < 0.5).all()
     assert moved.source.tolist() == rows.source.tolist()
+
+
+def some_vertices(rng, kind):
+    """Return (CORNERS, 2) vertices, of which some coincide, lie on one line, or are all the same."""
+    if kind == "point":
+        return np.tile(rng.normal(size=2), (CORNERS, 1))
+    if kind == "segment":
+        return rng.normal(size=2) + rng.integers(-2, 3, (CORNERS, 1)) * rng.integers(1, 4, 2)
+    if kind == "whole numbers":
+        return rng.integers(-2, 3, (CORNERS, 2)).astype(float)
+    return rng.normal(size=(CORNERS, 2)) * 10.0 ** rng.uniform(-6, 3)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["any", "whole numbers", "segment", "point"]))
+def test_normals_are_those_of_the_hulls_edges_and_there_are_no_others(seed, kind):
+    rng = np.random.default_rng(seed)
+    vertices = np.stack([some_vertices(rng, kind), rng.normal(size=(CORNERS, 2))])
+    normals = Displacements(vertices, np.full(2, 9.0), np.zeros(2)).normals
+    assert normals.shape == (2, CORNERS, 2)
+    for corners, every in zip(vertices, normals, strict=True):
+        hull = hull_of(corners)
+        edges = 0 if len(hull) == 1 else len(hull)
+        mine, rest = every[:edges], every[edges:]
+        assert np.isnan(rest).all()
+        assert np.hypot(*mine.T) == pytest.approx(1.0)
+        along = corners @ mine.T
+        most, size = along.max(axis=0), np.abs(corners).max()
+        touching = [np.unique(corners[near], axis=0) for near in (along >= most - 1e-12 * size).T]
+        assert all(len(ends) >= 2 for ends in touching)
+        if edges > 2:
+            bounded = clip(mine, most, np.full(2, -9 * size), np.full(2, 9 * size))[0]
+            assert bounded.area == pytest.approx(area_of(hull), rel=1e-6, abs=1e-9 * size**2)
+
+
+def test_odometry_is_a_sector_of_ones_own_past():
+    """Forwards, backwards, and both: where the vertices are is for the sector to say."""
+    distance, bound = np.array([2.0, -2.0, 0.1, 2.0]), np.array([0.5, 0.5, 0.3, 0.5])
+    record = Odometry(0, 1, np.arange(4), distance, bound, 0.0, 0.0, 0.1, 0.0)
+    heading, known = np.array([0.4, 3.0, -2.0, 1.0]), np.array([0.2, 0.0, 0.3, 0.2])
+    vertices = displacements(record, AngularIntervals(heading, known), Team(4), 1.0).vertices
+    wide, chord = known + 0.1, np.cos(0.1)
+    for robot, (ahead, behind) in enumerate(
+        [((1.5, 2.5), None), (None, (1.5, 2.5)), ((0.0, 0.4), (0.0, 0.2)), ((1.5, 2.5), None)]
+    ):
+        parts = [(heading[robot], ahead), (heading[robot] + np.pi, behind)]
+        expected = [trapezoid(way, wide[robot], reach[0] * chord, reach[1]) for way, reach in parts if reach]
+        assert hull_of(vertices[robot]) == pytest.approx(hull_of(np.concatenate(expected)), abs=1e-9)
+
+
+def test_where_the_direction_is_hardly_known_the_motion_is_in_a_square_and_its_length_is_known():
+    record = Odometry(0, 1, 0, 2.0, 0.1, 0.0, 0.0, 0.1, 0.0)
+    moves = displacements(record, AngularIntervals([0.3], [WIDEST]), Team(1), 1.0)
+    assert hull_of(moves.vertices[0]) == pytest.approx(2.1 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
+    directions = unit(np.linspace(-np.pi, np.pi, 25))
+    assert moves.support(np.zeros(25, dtype=int), directions) == pytest.approx(2.1)

@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import clip
+from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.measurements import Bearing, Compass, Range
 from filter.sensing.rows import (
+    WIDENING,
     bearing_rows,
     heading_arcs_of_bearing,
     heading_arcs_of_compass,
@@ -72,12 +74,11 @@ def test_a_flipped_sign_cuts_off_the_truth(part):
     positions, arcs, record = drawn(np.random.default_rng(1), 0.1, False)
     source = np.arange(DRAWS)
     bearings, ranges = bearing_rows(record.robot, record.target, arcs, source), range_rows(record, arcs, source)
-    half = len(bearings) // 2
     if part == "near":
-        rows = ranges.select(np.arange(len(ranges)) >= DRAWS)
+        rows = ranges.select(ranges.offset <= 0)
         rows = Constraints(rows.i, rows.j, -rows.normal, rows.offset, rows.source)
     else:
-        rows = bearings.select(slice(0, half) if part == "first bearing" else slice(half, None))
+        rows = bearings.select(np.arange(len(bearings)) % 2 == (part == "second bearing"))
         flipped = rows.normal * (np.array([1, -1]) if part == "first bearing" else -1)
         rows = Constraints(rows.i, rows.j, flipped, rows.offset, rows.source)
     assert (violation(rows, positions) > 1e-6).mean() > 0.4
@@ -86,10 +87,34 @@ def test_a_flipped_sign_cuts_off_the_truth(part):
 def test_without_its_minus_the_near_side_says_nothing():
     positions, arcs, record = drawn(np.random.default_rng(2), 0.1, False)
     rows = range_rows(record, arcs, np.arange(DRAWS))
-    near = rows.select(np.arange(len(rows)) >= DRAWS)
+    near = rows.select(rows.offset <= 0)
     printed = Constraints(near.i, near.j, near.normal, -near.offset, near.source)
     assert violation(printed, positions).max() < 0
     assert violation(near, positions).max() > -0.5
+
+
+@given(st.floats(-np.pi, np.pi), st.floats(0, np.pi), st.floats(0.1, 3), st.floats(0, 3), st.floats(0.1, 1.5))
+def test_bearings_and_ranges_are_sectors(angle, bound, least, width, spacing):
+    """In either order of the robots' numbers, and wider by next to nothing."""
+    arcs = AngularIntervals(np.full(2, angle), np.full(2, bound))
+    robot, target, source = np.array([1, 0]), np.array([0, 1]), np.array([7, 8])
+    record = Range(0.0, robot, target, least + width / 2, width / 2, 0.0)
+    nearest, farthest = (each[0] for each in record.interval())
+    wide = min(bound + WIDENING, np.pi)
+    tangents, reach = far_and_near(angle, wide, nearest * (1 - WIDENING), farthest * (1 + WIDENING), spacing)
+    rows = range_rows(record, arcs, source, spacing)
+    beside = bearing_rows(robot, target, arcs, source)
+    for sign, number in ((-1, 7), (1, 8)):
+        mine = rows.select(rows.source == number)
+        assert mine.normal == pytest.approx(sign * tangents, abs=1e-12)
+        assert mine.offset == pytest.approx(reach, abs=1e-12)
+        bearings = beside.select(beside.source == number)
+        if bound < np.pi / 2 - 1e-6:
+            assert bearings.normal == pytest.approx(sign * sides(angle, wide), abs=1e-12)
+            assert (bearings.offset == 0).all()
+        elif bound > np.pi / 2:
+            assert len(bearings) == 0
+    assert set(zip(rows.i.tolist(), rows.j.tolist(), strict=True)) == {(0, 1)}
 
 
 def region(arc, record, box=20.0):

@@ -100,7 +100,7 @@ def test_a_bad_start_is_refused(name):
 
 
 def test_a_team_of_no_robots_is_refused():
-    with pytest.raises(InvalidInput, match="at least one robot; came 0 robots"):
+    with pytest.raises(InvalidInput, match="number of robots: whole numbers from 1 to 1000000; came 0"):
         Team(0)
 
 

@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
+from helpers.motions import outside
 
 from filter.errors import InvalidInput
 from sim.drive import Driver
@@ -29,19 +30,6 @@ def driven(seed):
         states.append((world.positions(), world.headings(), world.wheel_angles()))
         driver.advance(1)
     return *(np.array(column) for column in zip(*states, strict=True)), world
-
-
-def outside(lengths, direction_bound, along, across):
-    """Return how far points are from {s (cos d, sin d): s within the lengths, |d| <= bound}; s may be negative."""
-    distances = []
-    for sign in (1, -1):  # ahead and behind
-        low, high = (np.sort(sign * np.stack(lengths), axis=0)[end] for end in (0, 1))
-        x, y = sign * along, sign * across
-        angle = np.clip(np.arctan2(y, x), -direction_bound, direction_bound)
-        length = np.clip(x * np.cos(angle) + y * np.sin(angle), np.maximum(low, 0), np.maximum(high, 0))
-        distance = np.hypot(x - length * np.cos(angle), y - length * np.sin(angle))
-        distances.append(np.where(high >= 0, distance, np.inf))
-    return np.minimum(*distances)
 
 
 def motion(seed, steps):

@@ -1,0 +1,178 @@
+"""Many polygons at a time, as a few arrays: those of a whole team in one compiled loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import overload
+
+import numpy as np
+
+from filter.arrays import Array, Frozen, Integers, Mask, chosen, read_only
+from filter.compiled import compiled
+from filter.geometry.angles import AngularIntervals
+from filter.geometry.convex import EPSILON, area_of, clip_into, clip_room, side_of_box, span_of
+from filter.geometry.polygon import Polygon
+
+
+@dataclass(frozen=True, eq=False)
+class Polygons(Frozen, Sequence[Polygon]):
+    """Polygons laid end to end: the edges of polygon k are first[k] to first[k + 1].
+
+    Attributes:
+        normals: (e, 2) as in `Polygon`.
+        offsets: (e,) [m].
+        vertices: (e, 2) [m].
+        margin: (n,) [m].
+        first: (n + 1,) where the edges of each begin.
+    """
+
+    normals: Array
+    offsets: Array
+    vertices: Array
+    margin: Array
+    first: Integers
+
+    @classmethod
+    def of(cls, polygons: Sequence[Polygon]) -> Polygons:
+        """Return single polygons laid end to end."""
+        first = np.cumsum([0, *(len(polygon.offsets) for polygon in polygons)])
+        normals = np.concatenate([np.zeros((0, 2)), *(polygon.normals for polygon in polygons)])
+        vertices = np.concatenate([np.zeros((0, 2)), *(polygon.vertices for polygon in polygons)])
+        offsets = np.concatenate([np.zeros(0), *(polygon.offsets for polygon in polygons)])
+        return cls(normals, offsets, vertices, np.array([polygon.margin for polygon in polygons], dtype=float), first)
+
+    def __len__(self) -> int:
+        return len(self.margin)
+
+    @overload
+    def __getitem__(self, index: int) -> Polygon: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Polygon]: ...
+
+    def __getitem__(self, index: int | slice) -> Polygon | list[Polygon]:
+        k = chosen("a polygon", index, len(self))
+        if isinstance(k, range):
+            return [self[each] for each in k]
+        edges = slice(self.first[k], self.first[k + 1])
+        return Polygon._of(self.normals[edges], self.offsets[edges], self.vertices[edges], float(self.margin[k]))
+
+    @cached_property
+    def owner(self) -> Integers:
+        """(e,) whose each edge is."""
+        return np.repeat(np.arange(len(self)), np.diff(self.first))
+
+    @cached_property
+    def areas(self) -> Array:
+        """(n,) areas of the hulls of the vertices [m2]."""
+        return read_only(areas_of(self.vertices, self.first))
+
+    def contains(self, points: Array) -> Mask:
+        """Return (n,) whether each polygon's half-planes hold at its own of (n, 2) points [m]."""
+        broken = (self.normals * points[self.owner]).sum(axis=1) > self.offsets
+        return np.bincount(self.owner[broken], minlength=len(self)) == 0
+
+    def mirrored(self, points: Array) -> Polygons:
+        """Return {point - x} with an own one of (n, 2) points for each: as seen from the polygons; errs outward [m]."""
+        where = points[self.owner]
+        largest = np.maximum.reduceat(np.abs(self.vertices).max(axis=1), self.first[:-1]) if len(self) else np.zeros(0)
+        rounding = 4 * EPSILON * (np.abs(points).sum(axis=1) + largest)
+        offsets = self.offsets - (self.normals * where).sum(axis=1) + rounding[self.owner]
+        return Polygons(-self.normals, offsets, where - self.vertices, self.margin + rounding, self.first)
+
+    def turned_about(self, which: Mask) -> Polygons:
+        """Return {-x} where (n,) says so, and {x} elsewhere: exact."""
+        sign = np.where(which[self.owner], -1.0, 1.0)[:, None]
+        return Polygons(sign * self.normals, self.offsets, sign * self.vertices, self.margin, self.first)
+
+    def spans(self) -> AngularIntervals:
+        """Return (n) arcs that contain the directions from the origin to every point of each polygon; they err outward [rad].
+
+        The bound is pi where the origin is inside, or so near that no direction is excluded for sure.
+        """
+        return AngularIntervals(*_spans(self.vertices, self.margin, self.first).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Clipped(Frozen):
+    """What half-planes leave of boxes, several at a time.
+
+    Attributes:
+        polygons: (g) what is left; the whole box where that is nothing.
+        behind: (e,) the half-plane, of r, behind each edge; from r on the box's right, top, left and bottom side.
+        empty: (g,) whether nothing is left, for sure.
+    """
+
+    polygons: Polygons
+    behind: Integers
+    empty: Mask
+
+
+def clip_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers], lower: Array, upper: Array) -> Clipped:
+    """Cut each of g boxes by its own group of half-planes, as `clip_box` does.
+
+    Args:
+        normals: (r, 2) of length 1 to rounding.
+        offsets: (r,) [m].
+        groups: Where each group begins and ends among the half-planes, (g,) and (g,).
+        lower: (g, 2) corners of the boxes [m].
+        upper: (g, 2) corners of the boxes [m].
+    """
+    begin, end = groups
+    most, count = int((end - begin).sum()) + 4 * len(begin), len(begin)
+    lines, vertices, behind = (np.empty((most, 2)), np.empty(most)), np.empty((most, 2)), np.empty(most, dtype=np.int64)
+    margin, first, empty = np.empty(count), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool)
+    _clip((*lines, vertices, behind), (margin, first, empty), (normals, offsets), groups, (lower, upper))
+    edges = slice(first[-1])
+    normals_of, offsets_of, corners = (column[edges].copy() for column in (*lines, vertices))
+    outlines = Polygons(normals_of, offsets_of, corners, margin, first)
+    return Clipped(outlines, behind[edges].copy(), empty)
+
+
+@compiled
+def _clip(
+    edges: tuple[Array, Array, Array, Integers],
+    each: tuple[Array, Integers, Mask],
+    lines: tuple[Array, Array],
+    groups: tuple[Integers, Integers],
+    box: tuple[Array, Array],
+) -> None:
+    """Write normals, offsets, vertices and rows of the edges, and margin, beginning and emptiness of each polygon."""
+    (outward, reach, vertices, behind), (margin, first, empty) = edges, each
+    (normals, offsets), (begin, end), (lower, upper) = lines, groups, box
+    room = clip_room((end - begin).max() if len(begin) else 0)
+    for g in range(len(begin)):
+        at, rows = first[g], end[g] - begin[g]
+        into = vertices[at:], behind[at:]
+        size, margin[g] = clip_into(into, (normals[begin[g] : end[g]], offsets[begin[g] : end[g]]), lower[g], upper[g], room)
+        if not size:
+            empty[g], rows = True, 0
+            size, margin[g] = clip_into(into, (normals[:0], offsets[:0]), lower[g], upper[g], room)
+        for k in range(at, at + size):
+            if behind[k] < rows:
+                behind[k] += begin[g]
+                outward[k, 0], outward[k, 1], reach[k] = normals[behind[k], 0], normals[behind[k], 1], offsets[behind[k]]
+            else:
+                outward[k, 0], outward[k, 1], reach[k] = side_of_box(behind[k] - rows, lower[g], upper[g])
+                behind[k] += len(offsets) - rows
+        first[g + 1] = at + size
+
+
+@compiled
+def areas_of(vertices: Array, first: Integers) -> Array:
+    """Return (n,) areas of polygons whose vertices lie end to end [m2]; 0 where there are none."""
+    areas = np.empty(len(first) - 1)
+    for k in range(len(areas)):
+        areas[k] = area_of(vertices[first[k] : first[k + 1]])
+    return areas
+
+
+@compiled
+def _spans(vertices: Array, margin: Array, first: Integers) -> Array:
+    """Return (n, 2) centre and bound of the span of each polygon."""
+    spans = np.empty((len(margin), 2))
+    for k in range(len(margin)):
+        spans[k, 0], spans[k, 1] = span_of(vertices[first[k] : first[k + 1]], margin[k])
+    return spans

@@ -13,6 +13,8 @@ from filter.compiled import compiled
 
 # A sector with a larger half-width, almost a half-plane, says nothing that its far side does not say [rad].
 WIDEST = 1.5
+# A sector that is so much wider than a whole number of tangents can touch, in these, needs none more.
+HAIR = 1e-6
 
 
 @compiled
@@ -32,7 +34,7 @@ def far_and_near(centre: float, bound: float, nearest: float, farthest: float, s
     Far side: tangents for directions u evenly over the arc, `spacing` apart at most [rad]; a narrow arc has one, a full
     circle 2 pi / spacing. Near side, for arcs narrower than half a circle: -u . d <= -nearest cos(bound).
     """
-    tangents = max(1, int(np.ceil(2 * bound / spacing)))
+    tangents = max(1, int(np.ceil(2 * bound / spacing - HAIR)))
     near = bound < np.pi / 2 and nearest > 0
     normals, offsets = np.empty((tangents + near, 2)), np.empty(tangents + near)
     for k in range(tangents):

@@ -32,7 +32,7 @@ def _directions() -> Array:
 
 DIRECTIONS = _directions()
 TANGENT_ANGLE = np.pi / 12  # between two tangents of the far side of a sector [rad]
-HAIR = 1e-6  # of a cell
+HAIR_OF_CELL = 1e-6  # of a cell
 
 
 @compiled
@@ -239,8 +239,8 @@ def regrid(group: Integers, low: Array, high: Array, reach: Array, grid: tuple[A
     for k in range(len(low)):
         # What is a hair over an edge stays with its cell, or neighbours would be put together again and again.
         top = min(high[k], low[k] + turn)
-        begin = int(np.floor(low[k] / width + HAIR))
-        end = max(begin, int(np.ceil(top / width - HAIR)) - 1)
+        begin = int(np.floor(low[k] / width + HAIR_OF_CELL))
+        end = max(begin, int(np.ceil(top / width - HAIR_OF_CELL)) - 1)
         for cell in range(begin, end + 1):
             m, g = cell % cells, group[k]
             away = turn * ((cell - m) // cells)

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from filter.errors import InvalidInput
 from filter.geometry.angles import wrap
 from filter.geometry.convex import area_of, hull_of
-from filter.geometry.polygon import SIDES, Polygon, Polygons, clip
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import SIDES, Polygon, clip
 
 # Areas and lengths of two ways to compute a polygon differ by no more than this [m, m2].
 SAME = 1e-9

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from helpers.worlds import NO_ROWS, of_robot, unit
 
-from filter.geometry.polygon import clip, clip_boxes
+from filter.geometry.many import clip_boxes
+from filter.geometry.polygon import clip
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.pruning import prune, worthy_rows

@@ -24,7 +24,6 @@ from experiments.follow.ellipses import (
     neighbours,
     normalised_squares,
     outside,
-    relative_regions,
 )
 from experiments.follow.side_by_side import Case, compare
 from experiments.follow.steps import steps
@@ -289,7 +288,8 @@ def test_a_relative_region_contains_the_truth_and_says_more_than_two_regions_whe
     belief, frame = step.belief, step.frame
     ratios = []
     pairs = neighbours(3)
-    for (i, j), outer in zip(pairs, relative_regions(belief, pairs, followed), strict=True):
+    seen = followed.relative(belief, np.array([j for _, j in pairs]), np.array([i for i, _ in pairs]))
+    for (i, j), outer in zip(pairs, seen, strict=True):
         assert outer.contains(frame.truth.positions[i] - frame.truth.positions[j])
         far = belief.regions[i].outer.vertices[:, None] - belief.regions[j].outer.vertices
         ratios.append(outer.area / Polygon.hull(far.reshape(-1, 2)).area)

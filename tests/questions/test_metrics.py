@@ -3,11 +3,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from filter.geometry.polygons import Polygons
 
 from experiments.follow.metrics import Metrics
 from filter.frame import Frame, Truth
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Compass
 from filter.sets.regions import Regions

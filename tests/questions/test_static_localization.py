@@ -12,7 +12,7 @@ from experiments.paper.merge_orders import spread_over_orders
 from experiments.static_localization import main
 from filter.errors import InvalidInput, Unbounded
 from filter.projection.proved import position
-from filter.projection.stop import Stop
+from filter.projection.stop import Budget, Stop
 
 BOUND = np.radians(5)
 FEW = ["--robots", "5", "--seed", "1"]

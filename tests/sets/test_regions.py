@@ -5,7 +5,8 @@ import pytest
 from helpers.teams import begun
 from helpers.worlds import World
 
-from filter.geometry.polygon import Polygon, Polygons
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.projection.claims import Hulls, Outlines

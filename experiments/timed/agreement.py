@@ -67,7 +67,7 @@ def agreement_of(problem: Problem, directions: int) -> Agreement:
     found = by_kernel(problem, problem.task(EXACT))
     if not found.first[1]:
         return Agreement(windows=1, fallbacks=1)
-    proved = np.flatnonzero(np.diff(found.row_first[: found.first[1] + 1]) > 1)  # by more than a row of the robot's own
+    proved = np.flatnonzero(np.diff(found.row_first[: found.first[1] + 1]) > 0)  # no side of the box
     edges = len(proved)
     chosen = proved[np.unique(np.linspace(0, edges, directions, endpoint=False).astype(int))]
     normals, offsets = found.normals[chosen], found.offsets[chosen]

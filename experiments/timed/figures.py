@@ -12,7 +12,7 @@ from experiments.against_ekf.figures import INK, LOOK, PALE, SETS
 
 NAMES = {
     "kernel": "exact, compiled window",
-    "walker": "exact, whole-team walk",
+    "kernel_inside": "exact, with the inner polygon",
     "piqp_solve": "PIQP, one direction",
     "piqp_search": "PIQP, search to 0.999",
     "highs_warm_solve": "HiGHS warm, one direction",

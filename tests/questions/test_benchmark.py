@@ -51,7 +51,8 @@ def test_the_walk_agrees_with_piqp_and_with_a_search(seed):
     problem = Problem(draw_grid(rng, 6), int(rng.integers(6)))
     found = agreement_of(problem, 5)
     assert (found.windows, found.fallbacks) == (1, 0)
-    assert found.edges <= 5 <= found.vertices
+    assert found.edges <= min(5, found.vertices)
+    assert found.vertices >= 3
     assert max(found.apart, found.above) <= 1e-8
     assert found.below <= 1e-7
     searched = project(problem.program, problem.solver("piqp"), problem.plane, problem.program.centre, stop=EXACT)

@@ -69,7 +69,7 @@ def test_the_same_seed_gives_the_same_summary(run, tmp_path, monkeypatch):
         (["--bearing-bound", "0"], "bearing bound"),
         (["--bearing-bound", "95"], "bearing bound"),
         (["--searches", "2"], "searches"),
-        (["--seconds", "-1"], "time limit"),
+        (["--seconds", "-1"], "time budget"),
         (["--solver", "none"], "a solver among"),
     ],
 )

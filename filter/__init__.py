@@ -9,7 +9,7 @@ projection/, sets/, robust/, follow, lag, ekf, watch.
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
-from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, Unbounded
+from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange, Unbounded
 from filter.follow import AnyBelief, Filter, Step, follow
 from filter.frame import Frame, Truth
 from filter.geometry.angles import AngularIntervals, wrap
@@ -62,6 +62,7 @@ __all__ = [
     "NoiseModel",
     "Odometry",
     "OutOfOrder",
+    "OutOfRange",
     "Policy",
     "Polygon",
     "Proof",

@@ -256,8 +256,14 @@ def instance(name: str, value: Any, *kinds: type) -> None:
         InvalidInput: It is of another one.
     """
     if not isinstance(value, kinds):
-        named = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
-        raise InvalidInput(f"{name} of type {named}", shown(value))
+        raise InvalidInput(f"{name}: {' or '.join(map(_one, kinds))}", shown(value))
+
+
+def _one(kind: type) -> str:
+    """Return what to call a thing of a type."""
+    if kind is type(None):
+        return "None"
+    return f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
 
 
 def function(name: str, value: Any) -> None:

@@ -106,7 +106,7 @@ class Team:
         polygons = several(f"a sequence with {expected}", positions, Polygon)
         if len(polygons) != self.robots:
             raise InvalidInput(expected, f"{len(polygons)} polygons")
-        instance("initial headings, arcs with centres and bounds [rad],", headings, AngularIntervals, type(None))
+        instance("initial headings, arcs with centres and bounds [rad]", headings, AngularIntervals, type(None))
         known = AngularIntervals.circles(self.robots) if headings is None else headings
         if len(known) != self.robots or known.empty.any():
             raise InvalidInput(f"an initial arc for each of {self.robots} headings, none empty", f"{len(known)} arcs")

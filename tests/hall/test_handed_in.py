@@ -20,6 +20,7 @@ from filter import (
     InvalidInput,
     NoiseModel,
     Odometry,
+    OutOfRange,
     Polygon,
     Range,
     RobustFilter,
@@ -32,7 +33,6 @@ from filter import (
     Window,
     watch,
 )
-from filter.errors import OutOfRange
 
 TEAM = Team(2, [[3.0, 0.0], [0.0, 3.0]], 0.5, 1.5, [[-5, -5], [5, 5]])
 BOX = Polygon.box([-1, -1], [1, 1])

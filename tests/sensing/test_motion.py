@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.worlds import unit
+from helpers.worlds import exact_slack, unit
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
@@ -17,6 +17,7 @@ from filter.sensing.motion import CORNERS, Displacements, displacements, turned_
 from filter.team import Team
 
 PATHS = 400
+FAR = 1e9  # no displacement is so long [m]
 # Rounding of a sampled path of some metres [m].
 ROUNDING = 1e-12
 
@@ -150,6 +151,17 @@ def test_a_support_covers_the_hull_and_the_disc():
     moves = Displacements(rng.normal(size=(1, 8, 2)), np.array([9.0]), np.array([0.5]))
     points = rng.dirichlet(np.ones(8), 300) @ moves.vertices[0] + 0.5 * unit(rng.uniform(-np.pi, np.pi, 300))
     assert outside(moves, 0, points) <= ROUNDING
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-3, 1.0, 1e4]), st.booleans())
+def test_a_support_is_never_below_a_vertex_without_any_rounding(seed, size, upright):
+    rng = np.random.default_rng(seed)
+    vertices = size * rng.uniform(-1, 1, (1, CORNERS, 2)) * ([1e-6, 1.0] if upright else [1.0, 1.0])
+    directions = unit(rng.uniform(-np.pi, np.pi, 12))
+    support = Displacements(vertices, np.full(1, FAR), np.zeros(1)).support(np.zeros(12, dtype=int), directions)
+    for direction, most in zip(directions, support, strict=True):
+        assert min(exact_slack(direction, most, vertex) for vertex in vertices[0]) >= 0
+    assert support == pytest.approx((vertices[0] @ directions.T).max(axis=0), abs=1e-14 * size)
 
 
 def test_moved_rows_hold_after_every_displacement():

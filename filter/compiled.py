@@ -3,6 +3,9 @@
 Numba keeps compiled functions on disk, but looks only at the file a function is in, not at what it calls. So the folder
 where they are kept is named after the contents of the whole filter: a change to a file of it makes all of them new.
 
+**What is compiled.** Only what Python calls. A function that a compiled one calls is a part of that one, with all that it
+calls in turn: it is optimised and translated there, once, and not on each level on the way, as numba does by itself.
+
 **What Python calls.** A compiled function that is called from Python takes arrays, numbers, tuples and named tuples, no lists;
 it returns nothing, numbers, a tuple of numbers, or one array that it has made. Whatever else it finds it writes into arrays
 that its caller has made. For numba calls Python to hand out an array or a named tuple, and there a signal's handler may
@@ -23,7 +26,10 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
-from numba.core import event
+from numba.core import event, types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
 from numba.misc.appdirs import user_cache_dir
 
 from filter.workers import spread
@@ -116,16 +122,61 @@ class _Says(event.Listener):
 event.register("numba:compile", _Says())
 
 
+class _Part(JITCodeLibrary):
+    """The code of a function that is a part of others: it is never optimised, translated or run by itself."""
+
+    def _optimize_final_module(self) -> None:
+        """Leave it as it is."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:  # noqa: ARG002
+        """Return that there is none."""
+        return 0
+
+    @property
+    def codegen(self) -> _Part:
+        """What numba tells the environment that Python would call it in."""
+        return self
+
+    def set_env(self, name: str, env: Any) -> None:
+        """Do nothing: Python does not call it."""
+
+
+class _PartCompiler(Compiler):
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function as a part; numba calls this."""
+        self.state.library = _Part(self.state.targetctx.codegen(), function.__qualname__)
+        return super().compile_extra(function)
+
+
+class _Whole(CPUDispatcher):
+    """A function that Python can call. To compiled functions that call it, it is a part of theirs."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function, targetoptions={"nopython": True, "nogil": True})
+        options = {"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        self.part = CPUDispatcher(function, targetoptions=options, pipeline_class=_PartCompiler)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return types.Dispatcher(self.part)
+
+
 def compiled(function: Function) -> Function:
     """Return the function compiled when it is first called, and loaded from disk from then on; it lets other threads run."""
     if SETTINGS.DISABLE_JIT:  # NUMBA_DISABLE_JIT: to step through
         return function
-    before, SETTINGS.CACHE_DIR = SETTINGS.CACHE_DIR, PLACE or ""
-    try:
-        made = cast(Any, numba.njit(cache=PLACE is not None, nogil=True)(function))
-    finally:
-        SETTINGS.CACHE_DIR = before
-    made._cache = _Kept(made._cache)
+    made: Any = _Whole(function)
+    if PLACE is not None:
+        before, SETTINGS.CACHE_DIR = SETTINGS.CACHE_DIR, PLACE
+        try:
+            made.enable_caching()
+        finally:
+            SETTINGS.CACHE_DIR = before
+        made._cache = _Kept(made._cache)
     made._compile_for_args = partial(_aside, made._compile_for_args)
     MADE.append(made)
     return cast(Function, made)

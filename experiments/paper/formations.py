@@ -15,13 +15,13 @@ from functools import cached_property
 import numpy as np
 
 from experiments.paper.merge_orders import StaticCase, places
+from experiments.paper.reference import bounded_box
 from filter.arrays import Array, Floats, Integers, finite, read_only, whole
 from filter.errors import InvalidInput, Unbounded
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
-from filter.linear.reference import bounded_box
 from filter.linear.solvers import Workspace, deepest_point, workspace
 from filter.measurements import Bearing
 from filter.projection.proved import Projection

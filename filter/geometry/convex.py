@@ -197,7 +197,10 @@ def span_of(vertices: Array, margin: float) -> tuple[float, float]:
         vertices: (e, 2) [m].
         margin: The hull of the vertices widened by this is meant [m].
     """
-    doubt = 2 * margin + 8 * EPSILON * np.abs(vertices).max()
+    size = 0.0
+    for k in range(len(vertices)):
+        size = max(size, abs(vertices[k, 0]), abs(vertices[k, 1]))
+    doubt = 2 * margin + 8 * EPSILON * size
     nearest = _distance_of_edges(vertices) - doubt
     angles = _sorted(np.arctan2(vertices[:, 1], vertices[:, 0]))
     widest, gap = 0, -1.0  # what is not seen is one gap; from the inside none is as wide as half a turn

@@ -142,7 +142,10 @@ def _clip(
     """Write normals, offsets, vertices and rows of the edges, and margin, beginning and emptiness of each polygon."""
     (outward, reach, vertices, behind), (margin, first, empty) = edges, each
     (normals, offsets), (begin, end), (lower, upper) = lines, groups, box
-    room = clip_room((end - begin).max() if len(begin) else 0)
+    most = 0
+    for g in range(len(begin)):
+        most = max(most, end[g] - begin[g])
+    room = clip_room(most)
     for g in range(len(begin)):
         at, rows = first[g], end[g] - begin[g]
         into = vertices[at:], behind[at:]

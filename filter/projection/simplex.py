@@ -194,11 +194,11 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
         if basis.slack[entering] >= -VIOLATED:
             return FOUND, -1
         combination(rows, basis, entering, weights)
-        k = -1
-        for candidate in range(len(prices)):
-            if weights[candidate] > PARALLEL and (k < 0 or prices[candidate] * weights[k] < prices[k] * weights[candidate]):
-                k = candidate
-        if k < 0:
+        k = none = len(prices)
+        for m in range(len(prices)):
+            if weights[m] > PARALLEL and (k == none or prices[m] * weights[k] < prices[k] * weights[m]):
+                k = m
+        if k == none:
             return EMPTY, entering
         exchange_prices(prices, k, weights)
         np.maximum(prices, 0.0, prices)

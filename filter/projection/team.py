@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from filter.arrays import Array, Integers
 from filter.geometry.many import Polygons
@@ -95,7 +93,7 @@ class Projector:
                 failures += alone.failures
         unrefined = np.flatnonzero(late)
         pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), len(polytope.constraints), "time")))
-        return self._with_the_inside(polytope, in_order(pieces), tuple(failures))
+        return self._with_the_inside(polytope, who, in_order(pieces), tuple(failures))
 
     def pairs(self, polytope: Polytope, pairs: tuple[Integers, Integers], *, is_over: IsOver = never) -> Outlined:
         """Project onto pairs, x_j - x_i, each in the window of the two; those lost or too late keep what their rows say.
@@ -135,7 +133,7 @@ class Projector:
     def _searched(self, polytope: Polytope, who: Links, robot: int, is_over: IsOver) -> Outlined:
         """Search one robot's window by the solvers; there are no outlines where time ran out before."""
         rows, place = polytope.constraints, np.full(len(polytope.lower), -1)
-        members = np.sort(members_of_robot(robot, self.window.hops, self.window.robots, who, place))
+        members = self._members(who, robot)
         place[members] = np.arange(len(members))
         number = rows_in(members, place, who)
         few = rows.select(np.sort(number))
@@ -154,6 +152,11 @@ class Projector:
             return Outlined(_nothing())
         return Outlined(_outline(found.complete[0], own, np.sort(number)), self._named(robot, found.failures))
 
+    def _members(self, who: Links, robot: int) -> Integers:
+        """Return whom a robot's window has, in the order of their numbers."""
+        place = np.full(len(who.own_first) - 1, -1)
+        return np.sort(members_of_robot(robot, self.window.hops, self.window.robots, who, place))
+
     def _named(self, robot: int, failures: Sequence[Failure]) -> tuple[Failure, ...]:
         """Return the failures in one robot's window, with that of the walk before."""
         lost = (WALK,) if self.exact else ()
@@ -163,7 +166,7 @@ class Projector:
         deepest = tuple(replace(each, which=robot) for each in failures if each.which is None)
         return tuple(dict.fromkeys((*deepest, of_robot) if of_robot.failed else deepest))
 
-    def _with_the_inside(self, polytope: Polytope, outlines: Outlines, failures: tuple[Failure, ...]) -> Outlined:
+    def _with_the_inside(self, polytope: Polytope, who: Links, outlines: Outlines, failures: tuple[Failure, ...]) -> Outlined:
         """Return what was found, with inner polygons only if the whole team is known to have a point inside.
 
         A part of the team that has to do with nobody else can be empty on its own, by less than a walk can see: then no
@@ -174,8 +177,8 @@ class Projector:
             return Outlined(nothing, failures)
         if outlines.inner.known.all():
             return Outlined(outlines, failures)
-        parts, part = _parts(polytope)
-        if not (np.bincount(part[outlines.inner.known], minlength=parts) == 0).any():
+        apart = (self._members(who, robot) for robot in np.flatnonzero(~outlines.inner.known).tolist())
+        if all(outlines.inner.known[members].any() for members in apart):
             return Outlined(outlines, failures)
         inside = interior(polytope.program(), self.solvers)
         if inside.contradiction is not None:
@@ -263,12 +266,3 @@ def _outline(found: Projection, own: Integers, number: Integers) -> Outlines:
     weights = Weights.concatenate([proofs, itself, sides]).select(found.edges)
     searches = np.array([found.searches])
     return Outlines(Polygons.of([found.outer]), weights, Hulls.of([found.inner]), searches, (found.reason,))
-
-
-def _parts(polytope: Polytope) -> tuple[int, Integers]:
-    """Return how many parts the team has that have nothing to do with one another, and (n,) to which each robot belongs."""
-    rows, robots = polytope.constraints, len(polytope.lower)
-    pairs = rows.i != WORLD
-    ends = np.ones(int(pairs.sum())), (rows.i[pairs], rows.j[pairs])
-    count, part = connected_components(csr_array(ends, shape=(robots, robots)), directed=False)
-    return int(count), part

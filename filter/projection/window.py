@@ -215,12 +215,14 @@ def program_of(members: Integers, place: Integers, number: Integers, team: Colum
                     column[count, at], value[count, at] = variable, coefficient * radius[variable]
                     total += abs(value[count, at])
         if slack < total and total > 0:
-            value[count] /= total
+            for at in range(4):
+                value[count, at] /= total
             limit[count] = slack / total + OUTWARD * (1 + spread(row))
             live[count], size[count] = row, total
             count += 1
     for k in range(2 * variables):
-        column[count + k, :], value[count + k, :] = 0, 0.0
+        for at in range(4):
+            column[count + k, at], value[count + k, at] = 0, 0.0
         column[count + k, 0], value[count + k, 0] = k % variables, 1.0 if k < variables else -1.0
         limit[count + k] = 1.0 + OUTWARD * (1 + spread(k))
     end = count + 2 * variables

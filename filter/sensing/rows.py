@@ -76,9 +76,9 @@ def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, 
     rows, count = np.empty((most, 4)), 0
     for k in range(len(centre)):
         normals, offsets = far_and_near(centre[k], bound[k], nearest[k], farthest[k], spacing)
-        end = count + len(offsets)
-        rows[count:end, 0], rows[count:end, 1:3], rows[count:end, 3] = k, normals, offsets
-        count = end
+        for m in range(len(offsets)):
+            rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = k, normals[m, 0], normals[m, 1], offsets[m]
+            count += 1
     return rows[:count].copy()
 
 

@@ -43,7 +43,7 @@ def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources)
     i, j = np.ascontiguousarray(np.unique(np.concatenate([nobody, *proved]), axis=0).T)
     normals = moves.normals
     wanted = np.concatenate([normals[j], np.where((i != WORLD)[:, None, None], -normals[i], np.nan)], axis=1)
-    whose, which = np.nonzero(np.isfinite(wanted[:, :, 0]))
+    whose, which = np.ascontiguousarray(np.nonzero(np.isfinite(wanted[:, :, 0])))
     directions = wanted[whose, which]
     clipped, offsets = polytope.of(i, j), np.empty(len(whose))
     unused = np.empty((len(whose), 2), dtype=np.int64), np.empty((len(whose), 2))

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array, Integers, read_only
 from filter.errors import Inconsistent
 from filter.geometry.polygon import SIDES
 from filter.linear.constraints import WORLD, Constraints
@@ -139,7 +139,7 @@ def edges_as_rows(polytope: Polytope, outlines: Outlines, whose: Pairs, numbers:
     known = (weights.counts[is_row] == 1) & (rows.i[one] == i) & (rows.j[one] == j)
     source[known] = rows.source[one[known]]
     edges = Constraints(i, j, outer.normals[is_row], outer.offsets[is_row], source)
-    return edges, np.where(is_row, np.cumsum(is_row) - 1, len(edges))
+    return edges, read_only(np.where(is_row, np.cumsum(is_row) - 1, len(edges)))
 
 
 def proved_boxes(

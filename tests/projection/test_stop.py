@@ -37,7 +37,7 @@ def test_a_time_that_is_none_is_refused(wrong):
 
 
 def test_a_budget_that_is_none_is_refused():
-    with pytest.raises(InvalidInput, match="budget of type Budget or None"):
+    with pytest.raises(InvalidInput, match="budget: a Budget or None"):
         SetMembershipFilter(World(np.random.default_rng(0)).team, budget=1.0)
 
 

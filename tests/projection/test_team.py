@@ -259,7 +259,7 @@ def test_anchored_robots_are_no_trouble(scope):
 
 
 def test_a_scope_that_is_none_is_refused():
-    with pytest.raises(InvalidInput, match="scope of type Window"):
+    with pytest.raises(InvalidInput, match="scope: a Window"):
         SetMembershipFilter(Team(1), scope="team")
 
 

@@ -10,6 +10,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Compass
+from filter.projection.claims import Hulls
 from filter.sets.regions import Regions
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -26,8 +27,8 @@ def belief_of(outers, inners=(None, None), searches=(0, 0), headings=None):
     start = SetMembershipFilter(TEAM).start(0.0, outers, headings)
     edges = sum(len(outer.offsets) for outer in outers)
     causes = np.zeros(0, dtype=int), np.zeros(edges + 1, dtype=int)
-    regions = Regions(Polygons.of(outers), tuple(inners), np.array(searches), (None,) * len(outers), *causes)
-    return replace(start, regions=regions)
+    regions = Regions(Polygons.of(outers), Hulls.of(inners), np.array(searches), (None,) * len(outers), *causes)
+    return replace(start, found=regions)
 
 
 def frame_of(positions, headings=(0.0, 0.0), measurements=()):

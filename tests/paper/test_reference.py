@@ -5,10 +5,10 @@ import pytest
 from helpers.worlds import NO_ROWS
 
 from experiments.paper.formations import draw_formation
+from experiments.paper.reference import bounded_box, free_coordinates
 from filter.errors import InvalidInput, Unbounded
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
-from filter.linear.reference import bounded_box, free_coordinates
 from filter.linear.solvers import SIMPLEX
 from filter.sensing.rows import bearing_rows
 

@@ -16,11 +16,11 @@ from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import SIMPLEX, Workspace, workspace
-from filter.projection.batch import Sheet, blank, project_some
 from filter.projection.proved import position
 from filter.projection.search import project
+from filter.projection.sheet import Sheet, Task, blank
 from filter.projection.stop import Stop
-from filter.projection.walk import Task
+from filter.projection.walk import project_some
 from filter.projection.window import Window, links
 
 SEARCH = Stop()  # the filter's own

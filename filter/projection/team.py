@@ -13,12 +13,12 @@ from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import Solver, name_of
-from filter.projection.batch import Sheet, blank, project_some
 from filter.projection.claims import Hulls, Outlines, Weights, in_order
 from filter.projection.fallback import Failure, broken_row, interior, project_all
 from filter.projection.proved import Projection, position
+from filter.projection.sheet import Sheet, Task, blank
 from filter.projection.stop import REASONS, IsOver, Stop, never
-from filter.projection.walk import Task
+from filter.projection.walk import project_some
 from filter.projection.window import Links, Window, links, members_of_robot, rows_in
 from filter.workers import spread
 

@@ -11,71 +11,20 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.geometry.convex import EPSILON, SMALLEST, clip_box, side_of_box
-from filter.linear.certify import Boxes, Members, certified
-from filter.linear.constraints import WORLD, Columns
+from filter.geometry.convex import EPSILON, SMALLEST, clip_into, clip_room, side_of_box
+from filter.linear.certify import Members, certified
+from filter.linear.constraints import WORLD
 from filter.linear.implied import WORTHLESS
 from filter.projection.inside import inside_of
 from filter.projection.shadow import LONGEST, LONGEST_EACH, Trace, no_trace, simplified, turn
+from filter.projection.sheet import Sheet, Task
 from filter.projection.simplex import EMPTY, FOUND, LOST, Basis, become_feasible, combination, corner, spread
-from filter.projection.window import Links, WindowProgram, box_around, members_of, program_of, rows_in, rows_on
+from filter.projection.window import WindowProgram, box_around, members_of, program_of, rows_in, rows_on
 
 # How far the first objective leads away from the plane that is projected onto.
 ASIDE = 0.01
 # An edge that is certified this much beyond where it was found, relative to the box, shows that the walk went wrong.
 BEYOND = 1e-7
-
-
-class Task(NamedTuple):
-    """What all windows of a team have in common.
-
-    Attributes:
-        hops: How far a window reaches.
-        most: How many robots it may have.
-        inside: Whether inner polygons are wanted, too.
-        goal: As in `Stop`: performance ratio, area gap and greatest number of edges.
-        who: Who has rows with whom.
-        team: i, j, normal and offset of all constraints.
-        box: Lower and upper corners (n, 2) of all robots.
-    """
-
-    hops: int
-    most: int
-    inside: bool
-    goal: tuple[float, float, int]
-    who: Links
-    team: Columns
-    box: Boxes
-
-
-class Windowed(NamedTuple):
-    """What was found in one window.
-
-    Attributes:
-        how: FOUND, or LOST, or EMPTY when that is proved of a robot's.
-        normals: (e, 2) of the outer polygon, which the rows on the robot or the pair have cut.
-        offsets: (e,) certified [m].
-        vertices: (e, 2) [m].
-        margin: The polygon's [m].
-        row: (m,) the rows that prove the edges, edge after edge; if the window is empty, those that prove that.
-        weight: (m,) their multipliers.
-        first: (e + 1,) where those of each edge begin.
-        searches: How many edges of the shadow were kept.
-        why: What decided that, a place in `REASONS`.
-        inside: (p, 2) corners of the inner polygon; none where nothing is known from inside [m].
-    """
-
-    how: int
-    normals: Array
-    offsets: Array
-    vertices: Array
-    margin: float
-    row: Integers
-    weight: Array
-    first: Integers
-    searches: int
-    why: int
-    inside: Array
 
 
 class Plane(NamedTuple):
@@ -115,38 +64,59 @@ class Edges(NamedTuple):
 
 
 @compiled
-def project_window(i: int, j: int, task: Task, place: Integers) -> Windowed:
+def project_some(i: Integers, j: Integers, task: Task, sheet: Sheet) -> int:
+    """Project the windows of some pairs i, j, or of robots j where i is WORLD, onto a sheet.
+
+    Returns:
+        0; or, where a window is proved to be empty, how many rows prove that: these are the first ones of the sheet.
+    """
+    place, proof = np.full(len(task.box[0]), -1), 0
+    for k in range(len(j)):
+        proof = project_window(k, i[k], j[k], task, place, sheet)
+        if proof:
+            break
+    return proof
+
+
+@compiled
+def project_window(k: int, i: int, j: int, task: Task, place: Integers, sheet: Sheet) -> int:
     """Project a window onto the position of robot j, or onto x_j - x_i where i is not WORLD.
 
     Args:
+        k: Its place on the sheet, of which everything before is written.
         i: A robot, or WORLD.
         j: A robot.
         task: The team.
         place: (n,) scratch, all -1, and so again afterwards.
+        sheet: Where to write.
+
+    Returns:
+        What `project_some` does.
     """
     members, whole = members_of(i, j, task.hops, task.most, task.who, place)
     numbers = rows_in(members, place, task.who)
     program = program_of(members, place, numbers, task.team, task.box)
     plane = plane_of(program, i != WORLD)
     how, trace, basis, contradicted = walked(program, plane)
-    seen, where = vertices_of(trace, plane), (place, program.centre, program.radius)
-    nothing, inside = np.empty((0, 2)), np.empty((0, 2))
-    row, weight, first = np.empty(0, dtype=np.int64), np.empty(0), np.zeros(1, dtype=np.int64)
-    normals, offsets, outline, margin, searches, why = nothing, np.empty(0), nothing, 0.0, 0, 0
-    if how == EMPTY:
+    seen, where, proof = vertices_of(trace, plane), (place, program.centre, program.radius), 0
+    sheet.first[k + 1], sheet.corner_first[k + 1] = sheet.first[k], sheet.corner_first[k]
+    sheet.margin[k], sheet.searches[k], sheet.why[k] = 0.0, 0, 0
+    if how == EMPTY and i == WORLD:
         row, weight = contradiction(program, basis, contradicted)
-        proved = i == WORLD and certified(i, j, np.zeros(2), weight, row, where, task.team) < 0
-        how = EMPTY if proved else LOST
+        if certified(i, j, np.zeros(2), weight, row, where, task.team) < 0:
+            proof = len(row)
+            for m in range(proof):
+                sheet.row[m], sheet.weight[m] = row[m], weight[m]
     if how == FOUND:
         how, edges = edges_of(i, j, program, plane, trace, seen, where, task)
         if how == FOUND:
-            normals, offsets, outline, margin, row, weight, first = outline_of(i, j, edges, task)
-            searches, why = len(edges.offsets), edges.why
+            write_outline(k, i, j, edges, task, sheet)
             if task.inside and whole:
                 inside = inside_of(program, (trace, basis, plane.right), seen, numbers, (members, place, task.box), task.team)
+                write_corners(k, inside, sheet)
     for member in members:
         place[member] = -1
-    return Windowed(how, normals, offsets, outline, margin, row, weight, first, searches, why, inside)
+    return proof
 
 
 @compiled
@@ -260,34 +230,41 @@ def is_tight(plane: Plane, vertex: Array, normal: Array, offset: float, price: f
 
 
 @compiled
-def outline_of(i: int, j: int, edges: Edges, task: Task) -> tuple[Array, Array, Array, float, Integers, Array, Integers]:
-    """Return the polygon that edges and the robot's or the pair's own rows leave of its box, as in `Windowed`."""
-    begin, end = rows_on(i, j, task.who)
-    lower, upper = box_around(i, j, task.box)
-    searches = len(edges.offsets)
+def write_outline(k: int, i: int, j: int, edges: Edges, task: Task, sheet: Sheet) -> None:
+    """Write the polygon that edges and the robot's or the pair's own rows leave of its box, and the rows that prove it."""
+    (begin, end), (lower, upper), searches = rows_on(i, j, task.who), box_around(i, j, task.box), len(edges.offsets)
     normals, offsets = np.empty((searches + end - begin, 2)), np.empty(searches + end - begin)
     for line in range(len(offsets)):
         own = begin + line - searches
         for m in range(2):
             normals[line, m] = edges.normals[line, m] if line < searches else task.team[2][own, m]
         offsets[line] = edges.offsets[line] if line < searches else task.team[3][own]
-    vertices, behind, margin = clip_box(normals, offsets, lower, upper)
-    outward, reach, first = np.empty((len(behind), 2)), np.empty(len(behind)), np.zeros(len(behind) + 1, dtype=np.int64)
-    most = edges.rows.size + end - begin
-    row, weight, count = np.empty(most, dtype=np.int64), np.empty(most), 0
-    for k in range(len(behind)):
-        line = behind[k]
-        if line >= len(offsets):
-            outward[k, 0], outward[k, 1], reach[k] = side_of_box(line - len(offsets), lower, upper)
-        else:
-            outward[k, 0], outward[k, 1], reach[k] = normals[line, 0], normals[line, 1], offsets[line]
+    first, behind = sheet.first[k], np.empty(len(offsets) + 4, dtype=np.int64)
+    into = sheet.vertices[first:], behind
+    size, sheet.margin[k] = clip_into(into, (normals, offsets), lower, upper, clip_room(len(offsets)))
+    count = sheet.row_first[first]
+    for edge in range(size):
+        line, at = behind[edge], first + edge
+        x, y, reach = side_of_box(line - len(offsets), lower, upper)
+        if line < len(offsets):
+            x, y, reach = normals[line, 0], normals[line, 1], offsets[line]
+        sheet.normals[at, 0], sheet.normals[at, 1], sheet.offsets[at] = x, y, reach
         if line < searches:
             for m in range(edges.rows.shape[1]):
                 if edges.rows[line, m] < len(task.team[3]):
-                    row[count], weight[count] = edges.rows[line, m], edges.prices[line, m]
+                    sheet.row[count], sheet.weight[count] = edges.rows[line, m], edges.prices[line, m]
                     count += 1
         elif line < len(offsets):
-            row[count], weight[count] = begin + line - searches, 1.0
+            sheet.row[count], sheet.weight[count] = begin + line - searches, 1.0
             count += 1
-        first[k + 1] = count
-    return outward, reach, vertices, margin, row[:count].copy(), weight[:count].copy(), first
+        sheet.row_first[at + 1] = count
+    sheet.first[k + 1], sheet.searches[k], sheet.why[k] = first + size, searches, edges.why
+
+
+@compiled
+def write_corners(k: int, inside: Array, sheet: Sheet) -> None:
+    """Write the corners of an inner polygon."""
+    first = sheet.corner_first[k]
+    for m in range(len(inside)):
+        sheet.corners[first + m, 0], sheet.corners[first + m, 1] = inside[m, 0], inside[m, 1]
+    sheet.corner_first[k + 1] = first + len(inside)

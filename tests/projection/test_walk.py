@@ -19,9 +19,10 @@ from helpers.worlds import World, unit
 
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.projection.simplex import EMPTY, FOUND, LOST
+from filter.projection.sheet import Task, blank
+from filter.projection.simplex import FOUND, LOST
 from filter.projection.stop import REASONS, Stop
-from filter.projection.walk import Task, edges_of, plane_of, project_window, vertices_of, walked
+from filter.projection.walk import edges_of, plane_of, project_window, vertices_of, walked
 from filter.sets.set_membership import SetMembershipFilter
 
 DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))
@@ -276,27 +277,34 @@ def test_the_reason_says_what_decided():
         assert regions(around(60), stop).reasons == (reason,)
 
 
+def found_in(polytope, i, j, task, place):
+    """Return the proof of emptiness, and the sheet with one window."""
+    begin, end = polytope.constraints.groups(np.array([i]), np.array([j]))
+    sheet = blank(end - begin, task)
+    return project_window(0, i, j, task, place, sheet), sheet
+
+
 def test_a_shadow_of_too_many_edges_is_lost():
-    for count, how in ((300, FOUND), (500, LOST)):
+    for count, edges in ((300, 300), (500, 0)):
         polytope = around(count)
         place = np.full(1, -1)
-        found = project_window(WORLD, 0, task_of(polytope), place)
-        assert found.how == how
+        proof, sheet = found_in(polytope, WORLD, 0, task_of(polytope), place)
+        assert (proof, sheet.first.tolist()) == (0, [0, edges])
         assert place.tolist() == [-1]
-        assert (len(found.offsets) > 0) == (how == FOUND)
 
 
 def test_a_window_says_what_it_found():
     polytope = merged_team(4)
     place = np.full(5, -1)
     for i, j in ((WORLD, 0), (WORLD, 4), (0, 3)):
-        found = project_window(i, j, task_of(polytope, Stop())._replace(inside=i == WORLD), place)
-        assert found.how == FOUND
-        assert REASONS[found.why] in ("exact", "performance ratio")
-        assert len(found.first) - 1 == len(found.offsets) == len(found.normals) == len(found.vertices)
-        assert found.first[-1] == len(found.row) == len(found.weight)
-        assert (len(found.inside) > 0) == (i == WORLD)
+        proof, sheet = found_in(polytope, i, j, task_of(polytope, Stop())._replace(inside=i == WORLD), place)
+        edges = sheet.first[1]
+        assert proof == 0 < edges
+        assert REASONS[sheet.why[0]] in ("exact", "performance ratio")
+        assert 0 < sheet.searches[0] <= edges <= sheet.row_first[edges]
+        assert (sheet.corner_first[1] > 0) == (i == WORLD)
         assert (place == -1).all()
-    empty = project_window(WORLD, 2, task_of(cut(polytope, 4, 0.1)), place)
-    assert empty.how == EMPTY
+    empty = cut(polytope, 4, 0.1)
+    proof, sheet = found_in(empty, WORLD, 2, task_of(empty), place)
+    assert (proof > 0, sheet.first.tolist(), sheet.corner_first.tolist()) == (True, [0, 0], [0, 0])
     assert (place == -1).all()

@@ -5,10 +5,9 @@ import pytest
 from helpers.programs import every_pair, links_of, merged_team, random_polytope, single, with_strangers
 
 from filter.linear.constraints import WORLD
-from filter.projection.batch import blank, project_some
-from filter.projection.simplex import FOUND
+from filter.projection.sheet import Task, blank
 from filter.projection.stop import Stop
-from filter.projection.walk import Task, project_window
+from filter.projection.walk import project_some
 
 
 def task_of(polytope, inside=True, stop=None, hops=99, most=99):
@@ -40,9 +39,7 @@ def piece(sheet, k):
 
 
 def alone(polytope, task, i, j):
-    one = project_window(i, j, task, np.full(len(polytope.lower), -1))
-    columns = one.normals, one.offsets, one.vertices, one.row, one.weight, one.first, one.inside
-    return [column.tolist() for column in columns], one
+    return written(polytope, task, np.array([i]), np.array([j]))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -53,9 +50,9 @@ def test_each_is_what_it_is_alone(seed, kind):
     task = task_of(polytope, kind == "robots", hops=1 if kind == "small windows" else 99, most=3)
     sheet = written(polytope, task, i, j)
     for k in range(len(j)):
-        wanted, one = alone(polytope, task, i[k], j[k])
-        assert piece(sheet, k) == wanted
-        assert (sheet.margin[k], sheet.searches[k], sheet.why[k]) == (one.margin, one.searches, one.why)
+        one = alone(polytope, task, i[k], j[k])
+        assert piece(sheet, k) == piece(one, 0)
+        assert (sheet.margin[k], sheet.searches[k], sheet.why[k]) == (one.margin[0], one.searches[0], one.why[0])
     assert np.isfinite(sheet.weight[: sheet.row_first[sheet.first[-1]]]).all()
     halves = [written(polytope, task, i[some], j[some]) for some in (slice(0, 2), slice(2, None))]
     both = [piece(half, k) for half, count in zip(halves, (2, len(j) - 2), strict=True) for k in range(count)]
@@ -69,7 +66,7 @@ def test_one_that_is_lost_has_no_edges():
     assert np.flatnonzero(np.diff(sheet.first) == 0).tolist() == [1, 4]
     assert np.flatnonzero(np.diff(sheet.corner_first) == 0).tolist() == [1, 4]
     for k in range(7):
-        assert piece(sheet, k) == alone(polytope, task_of(polytope), WORLD, k)[0]
+        assert piece(sheet, k) == piece(alone(polytope, task_of(polytope), WORLD, k), 0)
 
 
 def test_one_that_is_empty_begins_the_sheet_with_its_proof():
@@ -92,10 +89,11 @@ def test_there_is_room_enough(seed, stop):
     robots = len(polytope.lower)
     for task in (task_of(polytope, stop=stop), task_of(polytope, stop=stop, most=2)):
         i, j = np.full(robots, WORLD), np.arange(robots)
-        sheet = blank(own(polytope, i, j), task)
-        needed = [project_window(WORLD, k, task, np.full(robots, -1)) for k in range(robots)]
-        assert all(one.how == FOUND for one in needed)
-        assert sum(len(one.offsets) for one in needed) <= len(sheet.offsets) == len(sheet.row_first) - 1
-        assert sum(len(one.row) for one in needed) <= len(sheet.row) == len(sheet.weight)
-        assert sum(len(one.inside) for one in needed) <= len(sheet.corners)
+        sheet, ample = blank(own(polytope, i, j), task), blank(own(polytope, i, j) + 1000, task)
+        assert project_some(i, j, task, ample) == 0
+        assert (np.diff(ample.first) > 0).all()
+        edges = ample.first[-1]
+        assert edges <= len(sheet.offsets) == len(sheet.row_first) - 1
+        assert ample.row_first[edges] <= len(sheet.row) == len(sheet.weight)
+        assert ample.corner_first[-1] <= len(sheet.corners)
         assert len(blank(own(polytope, i, j), task._replace(inside=False)).corners) == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -77,8 +78,56 @@ class Table(Frozen):
         return cls(*map(np.concatenate, zip(*(part.columns for part in parts), strict=True)))
 
 
-# Beyond this a product of two lengths can overflow; nothing a robot measures is near it.
-LARGEST = 1e100
+def places(first: Integers, index: Integers) -> tuple[Integers, Integers]:
+    """Return the places of what some of n lists hold, one list after the other, and where each list then begins.
+
+    Args:
+        first: (n + 1,) where the lists begin that lie end to end.
+        index: (k,) which lists.
+    """
+    counts = first[index + 1] - first[index]
+    begins = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
+    return np.repeat(first[index] - begins[:-1], counts) + np.arange(begins[-1]), begins
+
+
+class Lists(Frozen):
+    """Base of frozen dataclasses of n lists laid end to end.
+
+    `first`, (n + 1,), is where each list begins. Other columns have one entry, or one row, for each item; those named in
+    `of_lists` one for each list.
+    """
+
+    first: Integers
+    of_lists: ClassVar[tuple[str, ...]] = ()
+
+    def __len__(self) -> int:
+        return len(self.first) - 1
+
+    @cached_property
+    def counts(self) -> Integers:
+        """(n,) how many items each list has."""
+        return np.diff(self.first)
+
+    def select(self, index: Integers) -> Self:
+        """Return some of the lists, by (k,) index."""
+        items, first = places(self.first, index)
+        which = {name: index if name in self.of_lists else items for name in self._columns()}
+        return self._of(first, {name: getattr(self, name)[some] for name, some in which.items()})
+
+    @classmethod
+    def concatenate(cls, parts: Sequence[Self]) -> Self:
+        """Return the lists of all parts, in their order."""
+        counts = np.concatenate([np.zeros(1, dtype=np.int64), *(part.counts for part in parts)])
+        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in cls._columns()}
+        return cls._of(np.cumsum(counts), columns)
+
+    @classmethod
+    def _columns(cls) -> list[str]:
+        return [name for name in cls.__dataclass_fields__ if name != "first"]
+
+    @classmethod
+    def _of(cls, first: Integers, columns: dict[str, NDArray[Any]]) -> Self:
+        return cls(**columns, **{"first": first})
 
 
 def settle(record: object, **checked: Any) -> None:

@@ -9,7 +9,7 @@ from typing import overload
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask, chosen, read_only
+from filter.arrays import Array, Frozen, Integers, Lists, Mask, chosen, read_only
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON, area_of, clip_into, clip_room, side_of_box, span_of
@@ -17,7 +17,7 @@ from filter.geometry.polygon import Polygon
 
 
 @dataclass(frozen=True, eq=False)
-class Polygons(Frozen, Sequence[Polygon]):
+class Polygons(Lists, Sequence[Polygon]):
     """Polygons laid end to end: the edges of polygon k are first[k] to first[k + 1].
 
     Attributes:
@@ -33,6 +33,7 @@ class Polygons(Frozen, Sequence[Polygon]):
     vertices: Array
     margin: Array
     first: Integers
+    of_lists = ("margin",)
 
     @classmethod
     def of(cls, polygons: Sequence[Polygon]) -> Polygons:
@@ -42,9 +43,6 @@ class Polygons(Frozen, Sequence[Polygon]):
         vertices = np.concatenate([np.zeros((0, 2)), *(polygon.vertices for polygon in polygons)])
         offsets = np.concatenate([np.zeros(0), *(polygon.offsets for polygon in polygons)])
         return cls(normals, offsets, vertices, np.array([polygon.margin for polygon in polygons], dtype=float), first)
-
-    def __len__(self) -> int:
-        return len(self.margin)
 
     @overload
     def __getitem__(self, index: int) -> Polygon: ...

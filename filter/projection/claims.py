@@ -8,32 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask
+from filter.arrays import Array, Frozen, Integers, Lists, Mask, places
 from filter.geometry.many import Clipped, Polygons, areas_of
 from filter.geometry.polygon import Polygon
 from filter.projection.stop import Reason
 
 
-def joined(firsts: Sequence[Integers]) -> Integers:
-    """Return where the pieces of lists begin, (n + 1,), when lists of (n_k + 1,) beginnings each are laid end to end."""
-    counts = np.concatenate([np.zeros(1, dtype=np.int64), *(np.diff(first) for first in firsts)])
-    return np.cumsum(counts)
-
-
-def places(first: Integers, index: Integers) -> tuple[Integers, Integers]:
-    """Return the places of what some pieces of a list hold, one piece after the other, and where each piece then begins.
-
-    Args:
-        first: (n + 1,) where the pieces begin.
-        index: (k,) which pieces.
-    """
-    counts = first[index + 1] - first[index]
-    begins = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
-    return np.repeat(first[index] - begins[:-1], counts) + np.arange(begins[-1]), begins
-
-
 @dataclass(frozen=True, eq=False)
-class Weights(Frozen):
+class Weights(Lists):
     """Which rows of a polytope prove each of k claims, claim after claim.
 
     Attributes:
@@ -53,25 +35,6 @@ class Weights(Frozen):
         first = np.searchsorted(claim, np.arange(len(multipliers) + 1))
         return cls(row, multipliers[claim, row], first)
 
-    @classmethod
-    def concatenate(cls, parts: Sequence[Weights]) -> Weights:
-        """Return the weights of all parts' claims, in their order."""
-        row, weight = (np.concatenate([getattr(part, name) for part in parts]) for name in ("row", "weight"))
-        return cls(row, weight, joined([part.first for part in parts]))
-
-    def select(self, claims: Integers) -> Weights:
-        """Return the weights of some claims, by (c,) index."""
-        index, first = places(self.first, claims)
-        return Weights(self.row[index], self.weight[index], first)
-
-    def __len__(self) -> int:
-        return len(self.first) - 1
-
-    @cached_property
-    def counts(self) -> Integers:
-        """(k,) how many rows prove each claim."""
-        return np.diff(self.first)
-
     def rests_on(self, claim: int) -> tuple[Integers, Array]:
         """Return the rows that a claim is proved from, and their multipliers."""
         some = slice(self.first[claim], self.first[claim + 1])
@@ -79,7 +42,7 @@ class Weights(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Hulls(Frozen):
+class Hulls(Lists):
     """Convex hulls laid end to end, given by their corners; where there is none, nothing is known.
 
     Attributes:
@@ -101,19 +64,6 @@ class Hulls(Frozen):
         corners = [np.zeros((0, 2)) if polygon is None else polygon.vertices for polygon in polygons]
         return cls(np.concatenate([np.zeros((0, 2)), *corners]), np.cumsum([0, *map(len, corners)]))
 
-    @classmethod
-    def concatenate(cls, parts: Sequence[Hulls]) -> Hulls:
-        """Return the hulls of all parts, in their order."""
-        return cls(np.concatenate([part.corners for part in parts]), joined([part.first for part in parts]))
-
-    def select(self, index: Integers) -> Hulls:
-        """Return some of the hulls, by (k,) index."""
-        corners, first = places(self.first, index)
-        return Hulls(self.corners[corners], first)
-
-    def __len__(self) -> int:
-        return len(self.first) - 1
-
     def __getitem__(self, index: int) -> Polygon | None:
         corners = self.corners[self.first[index] : self.first[index + 1]]
         return Polygon.hull(corners) if len(corners) else None
@@ -121,7 +71,7 @@ class Hulls(Frozen):
     @property
     def known(self) -> Mask:
         """(n,) whether there is one."""
-        return np.diff(self.first) > 0
+        return self.counts > 0
 
     @cached_property
     def areas(self) -> Array:
@@ -158,10 +108,8 @@ class Outlines(Frozen):
     @classmethod
     def concatenate(cls, parts: Sequence[Outlines]) -> Outlines:
         """Return the outlines of all parts, in their order."""
-        names, outer = ("normals", "offsets", "vertices", "margin"), [part.outer for part in parts]
-        normals, offsets, vertices, margin = (np.concatenate([getattr(each, name) for each in outer]) for name in names)
         return cls(
-            Polygons(normals, offsets, vertices, margin, joined([each.first for each in outer])),
+            Polygons.concatenate([part.outer for part in parts]),
             Weights.concatenate([part.weights for part in parts]),
             Hulls.concatenate([part.inner for part in parts]),
             np.concatenate([part.searches for part in parts]),
@@ -170,20 +118,15 @@ class Outlines(Frozen):
 
     def select(self, index: Integers) -> Outlines:
         """Return some of the outlines, by (k,) index."""
-        edges, first = places(self.outer.first, index)
-        outer = self.outer.normals[edges], self.outer.offsets[edges], self.outer.vertices[edges], self.outer.margin[index]
-        return Outlines(
-            Polygons(*outer, first),
-            self.weights.select(edges),
-            self.inner.select(index),
-            self.searches[index],
-            tuple(self.reasons[k] for k in index.tolist()),
-        )
+        edges, _ = places(self.outer.first, index)
+        reasons = tuple(self.reasons[k] for k in index.tolist())
+        outer, inner = self.outer.select(index), self.inner.select(index)
+        return Outlines(outer, self.weights.select(edges), inner, self.searches[index], reasons)
 
 
 def in_order(pieces: Sequence[tuple[Integers, Outlines]]) -> Outlines:
     """Return the outlines of all n robots or pairs from pieces (numbers, their outlines); those without edges are left out."""
     numbers, every = np.concatenate([numbers for numbers, _ in pieces]), Outlines.concatenate([each for _, each in pieces])
-    found = np.flatnonzero(np.diff(every.outer.first))
+    found = np.flatnonzero(every.outer.counts)
     wanted = found[np.argsort(numbers[found])]
     return every if np.array_equal(wanted, np.arange(len(numbers))) else every.select(wanted)

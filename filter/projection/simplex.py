@@ -201,7 +201,8 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
         if k == none:
             return EMPTY, entering
         exchange_prices(prices, k, weights)
-        np.maximum(prices, 0.0, prices)
+        for m in range(len(prices)):
+            prices[m] = max(0.0, prices[m])
         slack_rates(rows, basis, k, rates)
         walk(basis, k, -basis.slack[entering] / weights[k], rates)
         exchange(basis, k, entering, weights)

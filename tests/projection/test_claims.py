@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from helpers.programs import everybody, excess, merged_team
 
+from filter.arrays import places
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD
-from filter.projection.claims import Hulls, Outlines, Weights, in_order, joined, places
+from filter.projection.claims import Hulls, Outlines, Weights, in_order
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
@@ -71,8 +72,6 @@ def test_what_is_found_in_pieces_is_where_each_piece_says(seed):
     wanted = [list(range(first[k], first[k + 1])) for k in index]
     assert found.tolist() == [place for piece in wanted for place in piece]
     assert begins.tolist() == np.cumsum([0, *map(len, wanted)]).tolist()
-    assert joined([first, first[:1], np.array([0, 5])]).tolist() == [*first, first[-1] + 5]
-    assert joined([]).tolist() == [0]
 
 
 @pytest.mark.parametrize("seed", range(8))

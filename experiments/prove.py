@@ -27,6 +27,7 @@ from typing import Any, TextIO
 from experiments.proof.chain import WORLD, Broken, Chain, exact
 
 FILE = "certificates.jsonl.gz"
+VERSION = 1  # of the format that is read
 BAR = 40  # characters
 
 
@@ -61,6 +62,8 @@ def greatest(line: dict[str, Any]) -> Fraction:
 
 def check(line: dict[str, Any]) -> None:
     """Raise `Broken` unless the line proves its claim."""
+    if line["version"] != VERSION:
+        raise Broken(f"a certificate of version {line['version']}, where version {VERSION} is read")
     excess = greatest(line) - exact(line["offset"])
     if excess > 0:
         raise Broken(f"its rows prove an offset that is greater by {float(excess):.3g} m")

@@ -21,6 +21,7 @@ from filter import Array, Belief, Proof, Source
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"
+VERSION = 1  # of the format, in every certificate
 FAST = 3  # of gzip's nine levels: twice as fast as the usual one, and the file a tenth larger
 
 
@@ -79,6 +80,7 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
         bodies = sorted({robot, seen_from, *rows.i[used].tolist(), *rows.j[used].tolist()} - {-1})
         found.append(
             {
+                "version": VERSION,
                 "t": float(time).hex(),
                 "robot": robot,
                 "from": seen_from,

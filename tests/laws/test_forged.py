@@ -35,6 +35,7 @@ def claim(pair, normal, offset, boxes, rows=()):
     ]
     return {
         "t": ZERO,
+        "version": 1,
         "from": pair[0],
         "robot": pair[1],
         "normal": list(map(float.hex, normal)),

@@ -111,6 +111,8 @@ TAMPERED = {
     "no number": lambda line: line.update(offset="nan"),
     "an infinite multiplier": lambda line: line["rows"][0].update(multiplier="inf"),
     "a field": lambda line: line.pop("rows"),
+    "no version": lambda line: line.pop("version"),
+    "another version": lambda line: line.update(version=2),
     "seen from itself": lambda line: line.update({"from": line["robot"]}),
 }
 

@@ -1,4 +1,6 @@
-"""Recordings to look at with Rerun, live and afterwards. Nothing else imports Rerun; `drawing` beside it is what is shown.
+"""Recordings to look at with Rerun, live and afterwards; `drawing` beside it is what is shown, `blueprint` how it opens.
+
+Nothing else but `blueprint` imports Rerun.
 
 Rows are kept for a second of the run's time and sent as columns, which is ten times faster than row by row.
 """
@@ -17,10 +19,10 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
-import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from experiments.follow.located import Located
+from experiments.show.blueprint import BACKGROUND, INDIVIDUALLY, blueprint
 from experiments.show.colours import Colour, colour_of, mixed
 from experiments.show.drawing import (
     ALL,
@@ -36,7 +38,6 @@ from experiments.show.drawing import (
     Strips,
     at_height,
     closed,
-    extent_of,
     triangles_of,
 )
 from filter import Array, Frame, Polygon, Team
@@ -45,16 +46,12 @@ APPLICATION = "corral"
 SEND_EVERY = 1.0  # [s] of the run's time
 ROOM = 16 << 20  # that there has to be for what is sent next [bytes]: on a full disk Rerun's own writer waits for ever
 VIEWER_PATIENCE = 10.0  # [s] that a viewer may take at the end to receive what is left
-NARROWEST = 1.3  # width over height of a view from above that still shows the whole arena
-BACKGROUND: Colour = (22, 24, 29)
 WALL: Colour = (112, 118, 130)
 INK: Colour = (245, 246, 248)
 ELLIPSE: Colour = (255, 214, 102)  # of another estimator
 ALARM: Colour = (255, 76, 76)
 ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
-INDIVIDUALLY = 60  # robots at most that have entities of their own; more would slow a viewer down
 CROWDED = 0.4  # size of a large team's points and lines, relative to a small one's
-CLOSE = 12.0  # height from which a large team's middle is shown [m]
 CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
 RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
 
@@ -288,41 +285,3 @@ def _fans(items: Sequence[Fans]) -> list[Any]:
     corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(points)).partition([len(each) for each in points])
     indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(each) for each in triangles])
     return [*corners, *indices]
-
-
-def blueprint(team: Team, camera: bool, inside: bool) -> rrb.Blueprint:
-    """Return how a recording opens: the arena from above, a close-up, plots of area and performance ratio, the events."""
-    lower, upper = extent_of(team)
-    middle, size = (lower + upper) / 2, upper - lower
-    arena = _from_above("Arena from above", (*middle, 0.0), float(max(size[1], size[0] / NARROWEST)) * 1.06)
-    middle_one = team.name(team.robots // 2)
-    close = _from_above(f"Close-up of {middle_one}", (0.0, 0.0, 0.0), 0.5, tracked=f"/world/estimate/{middle_one}")
-    if team.robots > INDIVIDUALLY:
-        close = _from_above("Close-up of the middle", (*middle, 0.0), CLOSE)
-    legend = rrb.PlotLegend(corner="RightTop")
-    area = rrb.TimeSeriesView(origin="/area", name="Area of the outer polygons [m²]", plot_legend=legend)
-    ratio = rrb.TimeSeriesView(
-        origin="/performance_ratio",
-        name="Performance ratio: inner over outer area",
-        axis_y=rrb.ScalarAxis(range=(0.0, 1.05)),
-        plot_legend=rrb.PlotLegend(visible=False),
-    )
-    hidden = rrb.encodings.TimelineColumn("t", visible=False)  # too narrow to be read; the text begins with the time
-    columns = rrb.TextLogColumns(timeline_columns=[hidden], text_log_columns=["LogLevel", "Body"])
-    events = rrb.TextLogView(origin="/events", name="Events", columns=columns)
-    images = [rrb.Spatial2DView(origin="/camera", name="Camera")] if camera else []
-    shares = [1.4, 1.5, 0.9, 0.95] if inside else [1.4, 1.5, 0.95]
-    right = rrb.Vertical(rrb.Tabs(*images, close), area, *([ratio] if inside else []), events, row_shares=shares)
-    return rrb.Blueprint(
-        rrb.Horizontal(arena, right, column_shares=[2.3, 1]),
-        rrb.TimePanel(timeline="t", state="collapsed"),
-        collapse_panels=True,
-    )
-
-
-def _from_above(name: str, target: Sequence[float], height: float, tracked: str | None = None) -> rrb.Spatial3DView:
-    x, y, z = target
-    eye = rrb.EyeControls3D(
-        kind="Orbital", position=(x, y, z + height), look_target=(x, y, z), eye_up=(0.0, 1.0, 0.0), tracking_entity=tracked
-    )
-    return rrb.Spatial3DView(origin="/world", name=name, background=BACKGROUND, line_grid=False, eye_controls=eye)

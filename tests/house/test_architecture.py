@@ -217,7 +217,7 @@ def test_solvers_physics_and_recording_are_in_their_places(path):
     name = name_of(path)
     assert name == "filter.linear.solvers" or not names & {"piqp", "qpsolvers", "highspy"}
     assert folder(path) == "sim" or "mujoco" not in names
-    assert name == "experiments.show.recording" or "rerun" not in names
+    assert name in ("experiments.show.recording", "experiments.show.blueprint") or "rerun" not in names
 
 
 @pytest.mark.parametrize("path", [*everyone(), *(pytest.param(path, id=path.name) for path in TESTS)])

@@ -4,9 +4,10 @@ from helpers.recordings import rerun, rows_of
 
 from experiments.follow.simulated import from_simulator
 from experiments.follow.steps import steps
+from experiments.show.blueprint import INDIVIDUALLY
 from experiments.show.colours import colour_of, mixed
 from experiments.show.drawing import TRAIL, Drawing, Strips
-from experiments.show.recording import INDIVIDUALLY, Recording
+from experiments.show.recording import Recording
 from filter import AngularIntervals, Bearing, Frame, Polygon, Range, SetMembershipFilter, Team, Truth
 from sim.episode import episode
 

@@ -25,6 +25,8 @@ from filter.workers import spread
 # Windows with so many robots, all told, are projected between two looks at the clock; for fewer a thread would not be worth it.
 TOGETHER = 512
 WALK = "walk"  # what has failed, in a failure
+NO_NUMBERS = np.zeros(0, dtype=np.int64)
+NO_OUTLINES = Outlines(Polygons.of([]), Weights.of(np.zeros((0, 0))), Hulls.none(0), NO_NUMBERS, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +119,9 @@ class Projector:
         task = Task(window.hops, window.robots, inside, self.stop.goal, who, rows.rows, box)
         begin, end = rows.groups(i, j)
         size = max(1, TOGETHER // min(window.robots, len(polytope.lower)))
-        chunks = [slice(k, min(k + size, len(j))) for k in range(0, len(j), size)]
+        chunks = [np.arange(k, min(k + size, len(j))) for k in range(0, len(j), size)]
 
-        def walked(chunk: slice) -> tuple[Sheet, int] | None:
+        def walked(chunk: Integers) -> tuple[Sheet, int] | None:
             if is_over():
                 return None
             sheet = blank((end - begin)[chunk], task)
@@ -128,7 +130,7 @@ class Projector:
         workers = self.threads or os.cpu_count() or 1
         alone = workers == 1 or len(chunks) <= 1
         results = [walked(chunk) for chunk in chunks] if alone else spread(walked, chunks, workers)
-        return _Walks.of(chunks, results, len(rows))
+        return _walks(chunks, results, len(rows))
 
     def _searched(self, polytope: Polytope, who: Links, robot: int, is_over: IsOver) -> Outlined:
         """Search one robot's window by the solvers; there are no outlines where time ran out before."""
@@ -149,7 +151,7 @@ class Projector:
             multipliers[np.sort(number)] = found.contradiction
             return _empty(multipliers)
         if not found.complete:
-            return Outlined(_nothing())
+            return Outlined(NO_OUTLINES)
         return Outlined(_outline(found.complete[0], own, np.sort(number)), self._named(robot, found.failures))
 
     def _members(self, who: Links, robot: int) -> Integers:
@@ -188,14 +190,10 @@ class Projector:
 
 @dataclass(frozen=True, eq=False)
 class _Walks:
-    """The walks around some robots or pairs.
+    """Walks around robots or pairs: whose time came, and their outlines, without edges where a walk was lost.
 
-    Attributes:
-        done: Whose time came.
-        outlines: What was found of them; without edges where a walk was lost.
-        lost: Whose walk was lost.
-        left: Those that time ran out on, then those that were lost.
-        contradiction: (r,) multipliers that prove that the polytope is empty, or None.
+    `left` are those that time ran out on, then those that were `lost`; a `contradiction`, (r,) multipliers, proves that the
+    polytope is empty.
     """
 
     done: Integers
@@ -204,36 +202,23 @@ class _Walks:
     left: Integers
     contradiction: Array | None
 
-    @classmethod
-    def of(cls, chunks: Sequence[slice], results: Sequence[tuple[Sheet, int] | None], rows: int) -> _Walks:
-        """Return the results of chunks of walks, of a polytope of so many rows; None where time had run out."""
-        nobody = np.zeros(0, dtype=np.int64)
-        done = np.concatenate([nobody, *(_every(chunk) for chunk, one in zip(chunks, results, strict=True) if one)])
-        late = np.concatenate([nobody, *(_every(chunk) for chunk, one in zip(chunks, results, strict=True) if not one)])
-        walked = [one for one in results if one]
-        contradiction = next((_spread_out(sheet, proof, rows) for sheet, proof in walked if proof), None)
-        outlines = _outlines([sheet for sheet, _ in walked]) if contradiction is None else _outlines([])
-        lost = done[np.diff(outlines.outer.first) == 0] if contradiction is None else nobody
-        return cls(done, outlines, lost, np.concatenate([late, lost]), contradiction)
 
-
-def _every(chunk: slice) -> Integers:
-    return np.arange(chunk.start, chunk.stop)
-
-
-def _spread_out(sheet: Sheet, proof: int, rows: int) -> Array:
-    """Return the proof of so many rows that a sheet begins with as multipliers of all rows."""
-    multipliers = np.zeros(rows)
-    multipliers[sheet.row[:proof]] = sheet.weight[:proof]
-    return multipliers
-
-
-def _outlines(sheets: Sequence[Sheet]) -> Outlines:
-    """Return what is on some sheets; the rest of their columns is room to spare."""
-    return Outlines.concatenate([_nothing(), *map(_of_sheet, sheets)])
+def _walks(chunks: Sequence[Integers], results: Sequence[tuple[Sheet, int] | None], rows: int) -> _Walks:
+    """Return the results of chunks of walks, of a polytope of so many rows; None where time had run out."""
+    done = np.concatenate([NO_NUMBERS, *(chunk for chunk, one in zip(chunks, results, strict=True) if one)])
+    late = np.concatenate([NO_NUMBERS, *(chunk for chunk, one in zip(chunks, results, strict=True) if not one)])
+    for sheet, proof in filter(None, results):
+        if proof:
+            contradiction = np.zeros(rows)
+            contradiction[sheet.row[:proof]] = sheet.weight[:proof]
+            return _Walks(done, NO_OUTLINES, NO_NUMBERS, late, contradiction)
+    outlines = Outlines.concatenate([NO_OUTLINES, *(_of_sheet(sheet) for sheet, _ in filter(None, results))])
+    lost = done[outlines.outer.counts == 0]
+    return _Walks(done, outlines, lost, np.concatenate([late, lost]), None)
 
 
 def _of_sheet(sheet: Sheet) -> Outlines:
+    """Return what is on a sheet; the rest of its columns is room to spare."""
     edges = sheet.first[-1]
     claims, corners = sheet.row_first[edges], sheet.corner_first[-1]
     normals, offsets, vertices = (column[:edges].copy() for column in (sheet.normals, sheet.offsets, sheet.vertices))
@@ -243,13 +228,8 @@ def _of_sheet(sheet: Sheet) -> Outlines:
     return Outlines(Polygons(normals, offsets, vertices, sheet.margin, sheet.first), weights, inner, sheet.searches, reasons)
 
 
-def _nothing() -> Outlines:
-    none = np.zeros(0, dtype=np.int64)
-    return Outlines(Polygons.of([]), Weights(none, np.zeros(0), np.zeros(1, dtype=np.int64)), Hulls.none(0), none, ())
-
-
 def _empty(multipliers: Array) -> Outlined:
-    return Outlined(_nothing(), (), multipliers)
+    return Outlined(NO_OUTLINES, (), multipliers)
 
 
 def _outline(found: Projection, own: Integers, number: Integers) -> Outlines:

@@ -1,8 +1,4 @@
-"""Offsets that are proved from a few rows, compiled: the bound of `LinearProgram.certified_bounds`, for loops.
-
-Of a pair i, j what is bounded is the position of j as seen from i, x_j - x_i, as in `Constraints`; of a robot j alone
-i is WORLD.
-"""
+"""Offsets that are proved from a few rows, compiled: the bound of `LinearProgram.certified_bounds`, for loops."""
 
 from __future__ import annotations
 
@@ -20,27 +16,22 @@ UNDERFLOW = 1e-300
 
 
 @compiled
-def middle_and_reach(low: float, high: float) -> tuple[float, float]:
-    """Return the middle of an interval and how far it reaches from there, rounded up."""
-    middle = (low + high) / 2
-    reach = max(high - middle, middle - low)
-    return middle, reach * (1 + 4 * EPSILON) if reach > 0 else 0.0
-
-
-@compiled
 def members_at(members: Integers, place: Integers, box: Boxes) -> Members:
-    """Return where some robots are; their places among them are written into (n,) scratch."""
+    """Return where some robots are, radii rounded up; their places among them are written into (n,) scratch."""
     centre, radius = np.empty(2 * len(members)), np.empty(2 * len(members))
     for k in range(len(members)):
         place[members[k]] = k
         for m in range(2):
-            centre[2 * k + m], radius[2 * k + m] = middle_and_reach(box[0][members[k], m], box[1][members[k], m])
+            low, high = box[0][members[k], m], box[1][members[k], m]
+            middle = (low + high) / 2
+            centre[2 * k + m] = middle
+            radius[2 * k + m] = max(high - middle, middle - low) * (1 + 4 * EPSILON)
     return place, centre, radius
 
 
 @compiled
 def certified(i: int, j: int, normal: Array, prices: Array, number: Integers, members: Members, team: Columns) -> float:
-    """Return an offset that holds in exact arithmetic for a direction of a robot's or a pair's position [m].
+    """Return an offset that holds in exact arithmetic for a direction of x_j - x_i, or of x_j where i is WORLD [m].
 
     Args:
         i: A member, or WORLD.
@@ -55,12 +46,11 @@ def certified(i: int, j: int, normal: Array, prices: Array, number: Integers, me
     residual, size = np.zeros(len(centre)), np.zeros(len(centre))
     total, doubt, operations = 0.0, 0.0, 2 * (len(number) + len(centre) + 8) * EPSILON
     along, reach = 0.0, 0.0
-    for side in range(2):
-        robot = j if side == 0 else i
+    for robot, sign in ((j, 1.0), (i, -1.0)):
         if robot >= 0:
             for m in range(2):
                 at = 2 * place[robot] + m
-                residual[at] = normal[m] if side == 0 else -normal[m]
+                residual[at] = sign * normal[m]
                 size[at] = abs(normal[m])
                 along += residual[at] * centre[at]
                 reach += abs(residual[at] * centre[at])
@@ -69,12 +59,10 @@ def certified(i: int, j: int, normal: Array, prices: Array, number: Integers, me
         if row >= len(offsets) or not 0 < price < np.inf:
             continue
         slack, magnitude = offsets[row], abs(offsets[row])
-        for side in range(2):
-            robot = second[row] if side == 0 else first[row]
+        for robot, sign in ((second[row], 1.0), (first[row], -1.0)):
             if robot >= 0:
                 for m in range(2):
-                    coefficient = normals[row, m] if side == 0 else -normals[row, m]
-                    at = 2 * place[robot] + m
+                    at, coefficient = 2 * place[robot] + m, sign * normals[row, m]
                     slack -= coefficient * centre[at]
                     magnitude += abs(coefficient * centre[at])
                     residual[at] -= price * coefficient

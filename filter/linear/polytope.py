@@ -8,7 +8,7 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, Integers
 from filter.geometry.many import Clipped, clip_boxes
-from filter.linear.constraints import WORLD, Constraints, may_be_broken
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.program import LinearProgram
 
 
@@ -34,24 +34,27 @@ class Polytope(Frozen):
 
     def program(self) -> LinearProgram:
         """Return the polytope as a linear program in (x_0, y_0, x_1, y_1, ...)."""
-        return LinearProgram(
-            self.constraints.matrix(len(self.lower)), self.constraints.offset, self.lower.ravel(), self.upper.ravel()
-        )
+        A = self.constraints.matrix(len(self.lower))
+        return LinearProgram(A, self.constraints.offset, self.lower.ravel(), self.upper.ravel())
 
     def may_have_a_broken_row(self) -> bool:
         """Return whether some row seems to hold nowhere in the box; a look that is cheap, and no proof."""
-        return bool(may_be_broken(self.constraints.rows, self.lower, self.upper))
+        rows, (lower, upper) = self.constraints, self._box(self.constraints.i, self.constraints.j)
+        least = (rows.normal * np.where(rows.normal > 0, lower, upper)).sum(axis=1)
+        return bool((least > rows.offset).any())
 
     def of_robots(self, robots: Integers) -> Clipped:
-        """Return polygons around (g) robots, each from its own rows alone, and the row behind each edge."""
+        """Return polygons around (g) robots, each from its own rows and the box alone, and the row behind each edge."""
         return self.of(np.full(len(robots), WORLD), robots)
 
     def of(self, i: Integers, j: Integers) -> Clipped:
-        """Return polygons around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD; and the row behind each edge.
+        """Return the same around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD."""
+        rows = self.constraints
+        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), *self._box(i, j))
 
-        Each is from the rows of its own robot or pair alone, and from the box.
-        """
-        rows, mutual, lower, upper = self.constraints, np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
+    def _box(self, i: Integers, j: Integers) -> tuple[Array, Array]:
+        """Return the corners of boxes around x_j - x_i, or x_j where i is WORLD, both (g, 2); they err outward."""
+        mutual, lower, upper = np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
         lower[mutual] = np.nextafter(lower[mutual] - self.upper[i[mutual]], -np.inf)
         upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)
-        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), lower, upper)
+        return lower, upper

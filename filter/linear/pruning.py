@@ -7,7 +7,6 @@ import numpy as np
 from filter.arrays import Array, Integers, Mask
 from filter.compiled import compiled
 from filter.geometry.convex import centroid_of
-from filter.geometry.many import Clipped
 from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
@@ -16,8 +15,8 @@ from filter.linear.polytope import Polytope
 def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constraints:
     """Return the polytope's rows with at most so many left on each robot and on each pair.
 
-    Where there are more, those that the others imply within the group go first, then one after the other the edge
-    whose removal adds the least area. The box stays, and counts nothing.
+    Where there are more, those that the others imply within the group go first, then again and again the edge whose removal
+    adds the least area.
     """
     rows = polytope.constraints
     i, j, first = rows.grouped()
@@ -29,19 +28,11 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     stays = size <= budget
     stays[crowded[clipped.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
     keep = np.repeat(stays, size)
-    keep[worthy_rows(clipped, budget[crowded], len(rows))] = True
+    outlines, is_row = clipped.polygons, clipped.behind < len(rows)  # sides of the box stay, and count nothing
+    lines = outlines.normals, outlines.offsets
+    worthy = _worthy(lines, outlines.vertices, outlines.first, is_row, budget[crowded])
+    keep[clipped.behind[worthy & is_row]] = True
     return rows.select(keep)
-
-
-def worthy_rows(clipped: Clipped, budget: Integers, rows: int) -> Integers:
-    """Return which of the polygons' rows to keep so that little area is added: at most so many (g,) of each.
-
-    Greedy: again and again the edge goes whose removal adds least. Sides of the box, numbered from `rows` on, stay and
-    count nothing.
-    """
-    outlines, is_row = clipped.polygons, clipped.behind < rows
-    keep = _worthy((outlines.normals, outlines.offsets), outlines.vertices, outlines.first, is_row, budget)
-    return clipped.behind[keep & is_row]
 
 
 @compiled

@@ -1,7 +1,4 @@
-"""The search for a projection (section 7 of the paper): always where inside and outside differ most.
-
-Between two neighbouring points the inner and the outer polygon differ by a triangle; the largest triangle is searched next.
-"""
+"""The search for a projection (section 7 of the paper): always where inside and outside differ most, by a triangle."""
 
 from __future__ import annotations
 
@@ -11,18 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 from filter.arrays import Array
-from filter.linear.program import LinearProgram
+from filter.linear.program import Candidate, LinearProgram
 from filter.linear.solvers import Workspace
 from filter.projection.claims import Weights
-from filter.projection.proved import (
-    NOTHING,
-    HalfPlanes,
-    Projection,
-    certified_offsets,
-    inner_polygon,
-    looseness,
-    outer_polygon,
-)
+from filter.projection.proved import NOTHING, HalfPlanes, Projection, certified_offsets, inner_polygon, looseness, outer_polygon
 from filter.projection.stop import IsOver, Reason, Stop, never
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
@@ -53,83 +42,80 @@ def project(
         is_over: Whether time is up; it is asked from the fourth search on.
 
     Algorithm:
-        Section 7 of the paper: two opposite searches, two normal to the line between their points, then always
-        normal to the inner edge of the largest triangle. The bounds on areas hold for any points of the optimal
-        faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
+        Two opposite searches, two normal to the line between their points, then always normal to the inner edge of the
+        largest triangle by which the inner and the outer polygon differ. The bounds on areas hold for any points of the
+        optimal faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
     """
     search = _Search(solver, D, stop, is_over)
-    search.run()
-    directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
-    points = np.array(search.points).reshape(-1, D.shape[1])
-    multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
+    reason = search.run()
+    directions = np.array([(made.direction.real, made.direction.imag) for made in search.made]).reshape(-1, 2)
+    points = np.array([made.found.point for made in search.made]).reshape(-1, D.shape[1])
+    multipliers = np.array([made.found.multipliers for made in search.made]).reshape(len(directions), len(program.b))
     multipliers = program.essential(directions @ D, multipliers)
+    inner_areas, outer_areas = np.array(search.areas).reshape(-1, 2).T
     certified = certified_offsets(program, D, directions, multipliers)
     return Projection(
         *outer_polygon(program, D, (directions, certified), known),
         inner_polygon(program, D, points, interior),
         directions,
         Weights.of(multipliers),
-        np.array(search.inner_areas),
-        np.array(search.outer_areas),
-        search.reason,
-        np.inf if search.reason == "solver" else looseness(program, D, directions, points, certified),
+        inner_areas,
+        outer_areas,
+        reason,
+        np.inf if reason == "solver" else looseness(program, D, directions, points, certified),
     )
 
 
 @dataclass
 class _Support:
-    """One search: its direction, the point reached, and the triangle up to the next. The plane's vectors are x + y j."""
+    """One search: its direction, what was found, the point reached, and the triangle up to the next.
+
+    The plane's vectors are x + y j.
+    """
 
     direction: complex
+    found: Candidate
     point: complex
     triangle: float = 0.0
 
 
 @dataclass
 class _Search:
-    """The searches of one projection, and its supports in counter-clockwise order."""
+    """The searches of one projection, in the order they were made, and counter-clockwise, and the areas after each."""
 
     solver: Workspace
     D: Array
     stop: Stop
     is_over: IsOver
-    supports: list[_Support] = field(default_factory=list)
-    directions: list[complex] = field(default_factory=list)
-    points: list[Array] = field(default_factory=list)
-    multipliers: list[Array] = field(default_factory=list)
-    inner_areas: list[float] = field(default_factory=list)
-    outer_areas: list[float] = field(default_factory=list)
-    reason: Reason = "solver"
+    made: list[_Support] = field(default_factory=list)
+    around: list[_Support] = field(default_factory=list)
+    areas: list[tuple[float, float]] = field(default_factory=list)
 
-    def run(self) -> None:
+    def run(self) -> Reason:
+        """Search, and return why that ended."""
         if not self._begin():
-            return
+            return "solver"
         while True:
-            supports = self.supports
-            inner_area, gap = self._inner_area(), sum(support.triangle for support in supports)
-            self._record(inner_area, inner_area + gap)
-            reason = self.stop.reason(inner_area, gap, len(self.directions))
-            reason = reason or ("time" if self.is_over() else None)
-            k = max(range(len(supports)), key=lambda k: supports[k].triangle)
-            if reason or supports[k].triangle <= NO_TRIANGLE * (inner_area + gap):
-                self.reason = reason or "exact"
-                return
-            edge = supports[(k + 1) % len(supports)].point - supports[k].point
-            if not self._look(k + 1, edge * -1j):
-                return
+            inner_area, gap = self._inner_area(), sum(support.triangle for support in self.around)
+            self.areas.append((inner_area, inner_area + gap))
+            reason = self.stop.reason(inner_area, gap, len(self.made)) or ("time" if self.is_over() else None)
+            k = max(range(len(self.around)), key=lambda k: self.around[k].triangle)
+            if reason or self.around[k].triangle <= NO_TRIANGLE * (inner_area + gap):
+                return reason or "exact"
+            if not self._look(k + 1, (self._after(k).point - self.around[k].point) * -1j):
+                return "solver"
 
     def _begin(self) -> bool:
         """Make the first four searches (section 7.1); False when the solver gives up."""
         for place, direction in enumerate((1 + 0j, -1 + 0j)):
             if not self._look(place, direction):
                 return False
-            self._record(0.0, np.inf)
-        right, left = (support.point for support in self.supports)
-        along = right - left
+            self.areas.append((0.0, np.inf))
+        along = self.around[0].point - self.around[1].point
         across = along * 1j if along.real > THIN * abs(along) else 1j
         if not self._look(1, across):
             return False
-        self._record(self._inner_area(), np.inf)
+        self.areas.append((self._inner_area(), np.inf))
         return self._look(3, -across)
 
     def _look(self, place: int, towards: complex) -> bool:
@@ -138,23 +124,18 @@ class _Search:
         found = self.solver.maximize(direction.real * self.D[0] + direction.imag * self.D[1])
         if found is None or not np.isfinite(found.point).all():
             return False
-        self.supports.insert(place, _Support(direction, complex(*(self.D @ found.point))))
-        self.directions.append(direction)
-        self.points.append(found.point)
-        self.multipliers.append(found.multipliers)
-        changed = range(4) if len(self.supports) == 4 else (place - 1, place)
-        for k in changed if len(self.supports) >= 4 else ():
-            self.supports[k].triangle = _triangle(self.supports[k], self.supports[(k + 1) % len(self.supports)])
+        self.made.append(_Support(direction, found, complex(*(self.D @ found.point))))
+        self.around.insert(place, self.made[-1])
+        for k in (place - 1, place):
+            self.around[k].triangle = _triangle(self.around[k], self._after(k))
         return True
 
-    def _inner_area(self) -> float:
-        first = self.supports[0].point
-        edges = [support.point - first for support in self.supports[1:]]
-        return max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
+    def _after(self, k: int) -> _Support:
+        return self.around[(k + 1) % len(self.around)]
 
-    def _record(self, inner_area: float, outer_area: float) -> None:
-        self.inner_areas.append(inner_area)
-        self.outer_areas.append(outer_area)
+    def _inner_area(self) -> float:
+        edges = [support.point - self.around[0].point for support in self.around[1:]]
+        return max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
 
 
 def _cross(a: complex, b: complex) -> float:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array, Integers, Table
+from filter.arrays import Array, Integers, Table, settle
 from filter.geometry.convex import EPSILON
 
 WORLD = -1
@@ -39,9 +39,7 @@ class Constraints(Table):
     def __post_init__(self) -> None:
         if (self._keys[1:] < self._keys[:-1]).any():
             order = np.argsort(self._keys, kind="stable")
-            for name, column in zip(self.__dataclass_fields__, self.columns, strict=True):
-                object.__setattr__(self, name, column[order])
-            object.__setattr__(self, "_keys", self._keys[order])
+            settle(self, _keys=self._keys[order], **{name: getattr(self, name)[order] for name in self.__dataclass_fields__})
         super().__post_init__()
 
     @classmethod

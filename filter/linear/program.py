@@ -66,24 +66,19 @@ class LinearProgram:
         filled = np.arange(counts.max(initial=0)) < counts[:, None]
         values, middles = np.zeros(filled.shape), np.zeros(filled.shape)
         values[filled], middles[filled] = self.A.data, -self.centre[self.A.indices]
-        ones = np.ones(len(self.b))
-        high, low = twice_precise_dot(np.column_stack([self.b, values]), np.column_stack([ones, middles]))
+        high, low = twice_precise_dot(np.column_stack([self.b, values]), np.column_stack([np.ones(len(self.b)), middles]))
         return np.asarray(high + low)
 
     @cached_property
     def _slack_rounding(self) -> Array:
         terms = 1 + np.diff(self.A.indptr)
-        size = np.abs(self.b) + self._magnitudes @ np.abs(self.centre)
+        size = np.abs(self.b) + abs(self._matrix) @ np.abs(self.centre)
         return np.asarray(2 * EPSILON * np.abs(self.slack) + (terms * EPSILON) ** 2 * size + terms * TINY)
 
     @cached_property
     def _matrix(self) -> Array | sparse.csr_array:
         """A, filled up with zeros where that is small: products are faster then, and zeros are no rounding."""
         return self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= SMALL else self.A
-
-    @cached_property
-    def _magnitudes(self) -> Array | sparse.csr_array:
-        return abs(self._matrix)
 
     def certified_bounds(self, objectives: Array, multipliers: Array) -> Array:
         """Return (k,) upper bounds of c . x over the polytope that hold in exact arithmetic [m].
@@ -128,7 +123,7 @@ class LinearProgram:
     @cached_property
     def _reach(self) -> Array:
         """(r,) how far a row can vary within the box to either side [m]."""
-        return np.asarray(self._magnitudes @ self.radius)
+        return np.asarray(abs(self._matrix) @ self.radius)
 
     def proves_empty(self, multipliers: Array) -> bool:
         """Return whether (r,) multipliers are a Farkas certificate: they bound 0 . x below 0."""
@@ -152,8 +147,7 @@ class LinearProgram:
         lacking = 4 * doubt + 2 * EPSILON * own - slack
         share = np.divide(lacking, gain, out=np.ones_like(gain), where=gain > np.maximum(lacking, 0))
         share = np.where(lacking > 0, share, 0).max(axis=1, initial=0)
-        moved = inside + share[:, None] * (interior - inside)
-        return np.asarray(np.clip(moved, self.lower, self.upper))
+        return np.asarray(np.clip(inside + share[:, None] * (interior - inside), self.lower, self.upper))
 
     def _slack_at(self, points: Array) -> tuple[Array, Array]:
         """Return b - A x at points (k, v), and the rounding in it, both (k, r)."""

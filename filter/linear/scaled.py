@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array
 from filter.geometry.convex import EPSILON
 from filter.linear.program import Candidate, LinearProgram
 
@@ -19,7 +18,6 @@ Answer = tuple[Array, Array]  # z (f,) and multipliers (l,) of a scaled program
 Solve = Callable[[Array], Answer | None]  # for an objective (f,)
 
 
-@dataclass(frozen=True, eq=False)
 class ScaledProgram:
     """The program as maximise c . z over G z <= h, |z| <= 1.
 
@@ -28,44 +26,34 @@ class ScaledProgram:
     known already, however small that is.
 
     Attributes:
-        program: What is scaled.
-        free: (f,) its coordinates that are not anchored.
+        free: (f,) the program's coordinates that are not anchored.
         live: (l,) its rows that the box does not imply.
         size: (l,) what each of these was divided by.
         G: (l, f).
         h: (l,).
     """
 
-    program: LinearProgram
-    free: Integers
-    live: Integers
-    size: Array
-    G: sparse.csc_matrix
-    h: Array
-
-    @classmethod
-    def of(cls, program: LinearProgram) -> ScaledProgram:
-        """Scale a program."""
+    def __init__(self, program: LinearProgram) -> None:
         A, radius = program.A, program.radius
         row = np.repeat(np.arange(len(program.b)), np.diff(A.indptr))
         value = A.data * radius[A.indices]
         size = np.bincount(row, np.abs(value), minlength=len(program.b)).astype(float)
         is_free, is_live = radius > NARROW * np.abs(program.centre), (program.slack < size) & (size > 0)
-        free, live = np.flatnonzero(is_free), np.flatnonzero(is_live)
         kept = is_free[A.indices] & is_live[row]
-        place = np.searchsorted(live, row[kept]), np.searchsorted(free, A.indices[kept])
-        G = sparse.csc_matrix((value[kept] / size[row[kept]], place), shape=(len(live), len(free)))
-        return cls(program, free, live, size[live], G, program.slack[live] / size[live])
+        self._program, self.free, self.live = program, np.flatnonzero(is_free), np.flatnonzero(is_live)
+        self.size, self.h = size[self.live], program.slack[self.live] / size[self.live]
+        place = np.searchsorted(self.live, row[kept]), np.searchsorted(self.free, A.indices[kept])
+        self.G = sparse.csc_matrix((value[kept] / size[row[kept]], place), shape=(len(self.live), len(self.free)))
 
     def maximize(self, objective: Array, solve: Solve) -> Candidate | None:
         """Return what is solved for an objective (v,), its greatest coefficient made 1, in the program's own units."""
-        radius = self.program.radius[self.free]
+        radius = self._program.radius[self.free]
         c = objective[self.free] * radius
         scale = float(np.abs(c).max(initial=0)) or 1.0
         found = solve(c / scale)
         if found is None:
             return None
-        point, multipliers = self.program.centre.copy(), np.zeros(len(self.program.b))
+        point, multipliers = self._program.centre.copy(), np.zeros(len(self._program.b))
         point[self.free] += radius * found[0]
         multipliers[self.live] = np.maximum(found[1], 0) * scale / self.size
         return Candidate(point, multipliers)

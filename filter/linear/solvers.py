@@ -110,7 +110,7 @@ class _Guarded:
     def _maximize(self) -> Callable[[Array], Candidate | None]:
         if callable(self._solver):
             return self._solver(self._program).maximize
-        scaled = ScaledProgram.of(self._program)
+        scaled = ScaledProgram(self._program)
         set_up = SET_UP.get(self._solver, partial(_of_qpsolvers, self._solver))
         return partial(scaled.maximize, solve=set_up(scaled) if len(scaled.free) else lambda c: (c, 0 * scaled.h))
 

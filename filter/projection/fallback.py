@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from filter.arrays import Array
-from filter.linear.program import Candidate, LinearProgram
+from filter.linear.program import LinearProgram
 from filter.linear.solvers import Solver, Workspace, deepest_point, name_of, workspace
 from filter.projection.proved import HalfPlanes, Projection
 from filter.projection.search import project
@@ -61,14 +61,11 @@ def project_all(
 ) -> Found:
     """Search several projections of a program.
 
-    The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
-    is taken; with what is known anyway it is always a region, only a larger one.
-
     Args:
         program: The polytope.
         planes: D (2, v) for each.
-        known: For each, half-planes that contain the projection anyway.
-        solvers: What searches.
+        known: For each, half-planes that contain the projection anyway: without any good answer it is a region, too.
+        solvers: They are asked in turn, the next one where an answer is no good; if none is, the least region counts.
         stop: When a projection is good enough.
         is_over: Whether time is up, and the projections that are left have to do without.
     """
@@ -76,18 +73,17 @@ def project_all(
     inside = interior(program, solvers) if broken is None else Found(program.centre, broken)
     if inside.contradiction is not None:
         return inside
-    workspaces: list[Workspace] = [workspace(program, solver) for solver in solvers] or [_Nobody()]
+    workspaces: list[Workspace | None] = [workspace(program, solver) for solver in solvers] or [None]
     complete, failures = list[Projection](), inside.failures
     for D, lines in zip(planes, known, strict=True):
         if is_over():
             break
-        tried, is_good = list[Projection](), False
+        tried = list[Projection]()
         for work in workspaces:
             tried.append(project(program, work, D, inside.point, stop=stop, known=lines, is_over=is_over))
-            is_good = tried[-1].looseness <= LOOSE
-            if is_good:
+            if tried[-1].looseness <= LOOSE:
                 break
-        failed = list(map(name_of, solvers[: len(tried)]))
+        is_good, failed = tried[-1].looseness <= LOOSE, list(map(name_of, solvers[: len(tried)]))
         used = failed.pop() if is_good else None
         failures += _told(len(complete), failed, used)
         complete.append(tried[-1] if is_good else min(tried, key=lambda one: one.outer.area))
@@ -118,10 +114,3 @@ def interior(program: LinearProgram, solvers: Sequence[Solver]) -> Found:
 
 def _told(which: int | None, failed: Sequence[str], used: str | None) -> tuple[Failure, ...]:
     return (Failure(which, tuple(failed), used),) if failed else ()
-
-
-class _Nobody:
-    """Stands where there is no solver."""
-
-    def maximize(self, objective: Array) -> Candidate | None:  # noqa: ARG002
-        return None

@@ -1,6 +1,7 @@
 """Projections of a polytope, from inside and from outside, each edge and each point proved (sections 5 and 6 of the paper).
 
-A direction that was maximised gives a point and a line that supports. The points' hull is inside, what the lines leave outside.
+A direction that was maximised gives a point of the projection and a line that supports it. The hull of the points is
+inside, the intersection of the half-planes outside.
 """
 
 from __future__ import annotations
@@ -29,14 +30,14 @@ class Projection(Frozen):
 
     Attributes:
         outer: Contains the projection: proved.
-        edges: (e,) the search behind each edge of the outer polygon; from s on the known half-planes, and then the sides of
-            the program's box.
+        edges: (e,) the search behind each edge of the outer polygon; from s on which of k half-planes that were known
+            anyway, from s + k on which side of the program's box.
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
         directions: (s, 2) searched directions, of length 1.
         weights: The proof of each direction's edge.
         inner_areas: (s,) area inside after each search, as the solver has it [m2].
-        outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2].
-        reason: Why the search ended, by the areas as the solver has them.
+        outer_areas: (s,) area outside, likewise, infinite before the fourth [m2].
+        reason: Why the search ended, by these areas.
         looseness: The most that what is proved in a direction differs from the point found for it, as a share of the
             box's extent; infinite when the solver gave up. A guess of the answers' quality, no proof of anything.
     """
@@ -73,19 +74,13 @@ def performance_ratio(inner: Polygon | None, outer: Polygon) -> float:
 
 def position(robot: int, robots: int) -> Array:
     """Return D (2, 2 robots) of the projection onto a robot's position (eq. 2)."""
-    D = np.zeros((2, 2 * robots))
-    D[:, 2 * robot : 2 * robot + 2] = np.eye(2)
-    return D
+    return np.eye(2, 2 * robots, 2 * robot)
 
 
 def certified_offsets(program: LinearProgram, D: Array, directions: Array, multipliers: Array) -> Array:
-    """Return (s,) offsets of proved edges: direction . D x is nowhere greater in the program's polytope [m].
+    """Return (s,) offsets of proved edges: direction (s, 2) . D x is nowhere greater in the program's polytope [m].
 
-    Args:
-        program: The polytope.
-        D: (2, v) the projection.
-        directions: (s, 2) normals of the edges.
-        multipliers: (s, r) candidates for the proofs, from wherever; bad ones give large offsets, none a wrong one.
+    The multipliers (s, r) are candidates for the proofs, from wherever: bad ones give large offsets, none a wrong one.
     """
     # What the rounding of direction . D can be worth; nothing for positions and their differences.
     exact = np.isin(D, (-1, 0, 1)).all(axis=0) & (np.count_nonzero(D, axis=0) <= 1)
@@ -104,14 +99,9 @@ def looseness(program: LinearProgram, D: Array, directions: Array, points: Array
 
 
 def outer_polygon(program: LinearProgram, D: Array, edges: HalfPlanes, known: HalfPlanes) -> tuple[Polygon, Integers]:
-    """Return a polygon around the projection {D x}, and what is behind each of its edges.
-
-    That is one of the s proved edges, from s on one of the k half-planes that are known to contain the projection anyway,
-    and from s + k on a side of the program's box.
-    """
-    middle, reach = D @ program.centre, np.abs(D) @ program.radius
-    terms = 4 + np.count_nonzero(D, axis=1)
-    reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
+    """Return a polygon around the projection {D x}, and what is behind each of its edges, as in `Projection`."""
+    rounding = (4 + np.count_nonzero(D, axis=1)) * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
+    middle, reach = D @ program.centre, np.abs(D) @ program.radius + rounding
     normals, offsets = np.concatenate([edges[0], known[0]]), np.concatenate([edges[1], known[1]])
     # Where these leave nothing, which nobody has proved with names, what was known and the box contain the projection, too.
     for begin in (0, len(edges[0])):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +23,7 @@ THIN = 1e-6
 
 def project(
     program: LinearProgram,
-    solver: Workspace,
+    solver: Workspace | None,
     D: Array,
     interior: Array,
     *,
@@ -34,7 +35,7 @@ def project(
 
     Args:
         program: The polytope.
-        solver: A workspace on the same program.
+        solver: A workspace on the same program, or None where nobody searches.
         D: (2, v).
         interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
         stop: When to end; it looks at what the searches found, not at what was known.
@@ -46,13 +47,12 @@ def project(
         largest triangle by which the inner and the outer polygon differ. The bounds on areas hold for any points of the
         optimal faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
     """
-    search = _Search(solver, D, stop, is_over)
-    reason = search.run()
-    directions = np.array([(made.direction.real, made.direction.imag) for made in search.made]).reshape(-1, 2)
-    points = np.array([made.found.point for made in search.made]).reshape(-1, D.shape[1])
-    multipliers = np.array([made.found.multipliers for made in search.made]).reshape(len(directions), len(program.b))
+    made, areas, reason = _searched(solver, D, stop, is_over)
+    directions = np.array([(each.direction.real, each.direction.imag) for each in made]).reshape(-1, 2)
+    points = np.array([each.found.point for each in made]).reshape(-1, D.shape[1])
+    multipliers = np.array([each.found.multipliers for each in made]).reshape(len(directions), len(program.b))
     multipliers = program.essential(directions @ D, multipliers)
-    inner_areas, outer_areas = np.array(search.areas).reshape(-1, 2).T
+    inner_areas, outer_areas = np.array(areas).reshape(-1, 2).T
     certified = certified_offsets(program, D, directions, multipliers)
     return Projection(
         *outer_polygon(program, D, (directions, certified), known),
@@ -68,10 +68,7 @@ def project(
 
 @dataclass
 class _Support:
-    """One search: its direction, what was found, the point reached, and the triangle up to the next.
-
-    The plane's vectors are x + y j.
-    """
+    """One search: its direction, x + y j, what was found, the point reached, and the triangle up to the next support."""
 
     direction: complex
     found: Candidate
@@ -79,63 +76,41 @@ class _Support:
     triangle: float = 0.0
 
 
-@dataclass
-class _Search:
-    """The searches of one projection, in the order they were made, and counter-clockwise, and the areas after each."""
-
-    solver: Workspace
-    D: Array
-    stop: Stop
-    is_over: IsOver
-    made: list[_Support] = field(default_factory=list)
-    around: list[_Support] = field(default_factory=list)
-    areas: list[tuple[float, float]] = field(default_factory=list)
-
-    def run(self) -> Reason:
-        """Search, and return why that ended."""
-        if not self._begin():
-            return "solver"
-        while True:
-            inner_area, gap = self._inner_area(), sum(support.triangle for support in self.around)
-            self.areas.append((inner_area, inner_area + gap))
-            reason = self.stop.reason(inner_area, gap, len(self.made)) or ("time" if self.is_over() else None)
-            k = max(range(len(self.around)), key=lambda k: self.around[k].triangle)
-            if reason or self.around[k].triangle <= NO_TRIANGLE * (inner_area + gap):
-                return reason or "exact"
-            if not self._look(k + 1, (self._after(k).point - self.around[k].point) * -1j):
-                return "solver"
-
-    def _begin(self) -> bool:
-        """Make the first four searches (section 7.1); False when the solver gives up."""
-        for place, direction in enumerate((1 + 0j, -1 + 0j)):
-            if not self._look(place, direction):
-                return False
-            self.areas.append((0.0, np.inf))
-        along = self.around[0].point - self.around[1].point
-        across = along * 1j if along.real > THIN * abs(along) else 1j
-        if not self._look(1, across):
-            return False
-        self.areas.append((self._inner_area(), np.inf))
-        return self._look(3, -across)
-
-    def _look(self, place: int, towards: complex) -> bool:
-        """Search one direction and put its support in its place; False when the solver gives up."""
+def _searched(
+    solver: Workspace | None, D: Array, stop: Stop, is_over: IsOver
+) -> tuple[list[_Support], list[tuple[float, float]], Reason]:
+    """Return the searches, the areas inside and outside after each, and why they ended."""
+    made, around, areas = list[_Support](), list[_Support](), list[tuple[float, float]]()
+    while True:
+        place, towards = _next(made, around)
         direction = towards / abs(towards)
-        found = self.solver.maximize(direction.real * self.D[0] + direction.imag * self.D[1])
+        found = solver.maximize(direction.real * D[0] + direction.imag * D[1]) if solver else None
         if found is None or not np.isfinite(found.point).all():
-            return False
-        self.made.append(_Support(direction, found, complex(*(self.D @ found.point))))
-        self.around.insert(place, self.made[-1])
+            return made, areas, "solver"
+        made.append(_Support(direction, found, complex(*(D @ found.point))))
+        around.insert(place, made[-1])
         for k in (place - 1, place):
-            self.around[k].triangle = _triangle(self.around[k], self._after(k))
-        return True
+            around[k].triangle = _triangle(around[k], around[(k + 1) % len(around)])
+        edges = [support.point - around[0].point for support in around[1:]]
+        inner_area = max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
+        gap = sum(support.triangle for support in around) if len(made) >= 4 else np.inf
+        areas.append((inner_area, inner_area + gap))
+        if len(made) >= 4:
+            reason = stop.reason(inner_area, gap, len(made)) or ("time" if is_over() else None)
+            if reason or max(support.triangle for support in around) <= NO_TRIANGLE * (inner_area + gap):
+                return made, areas, reason or "exact"
 
-    def _after(self, k: int) -> _Support:
-        return self.around[(k + 1) % len(self.around)]
 
-    def _inner_area(self) -> float:
-        edges = [support.point - self.around[0].point for support in self.around[1:]]
-        return max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
+def _next(made: Sequence[_Support], around: Sequence[_Support]) -> tuple[int, complex]:
+    """Return the next search's place among those around, counter-clockwise, and its direction."""
+    if len(made) < 2:
+        return len(made), (1 + 0j, -1 + 0j)[len(made)]
+    if len(made) < 4:
+        along = made[0].point - made[1].point
+        across = along * 1j if along.real > THIN * abs(along) else 1j
+        return (1, across) if len(made) == 2 else (3, -across)
+    k = max(range(len(around)), key=lambda k: around[k].triangle)
+    return k + 1, (around[(k + 1) % len(around)].point - around[k].point) * -1j
 
 
 def _cross(a: complex, b: complex) -> float:

@@ -10,9 +10,8 @@ from scipy.optimize import linprog
 
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.polytope import Polytope
+from filter.linear.polytope import Polytope, prune
 from filter.linear.program import LinearProgram
-from filter.linear.pruning import prune
 from filter.linear.solvers import deepest_point, workspace
 from filter.linear.sources import Sources
 from filter.projection.proved import position

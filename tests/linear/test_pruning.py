@@ -6,8 +6,7 @@ from helpers.worlds import NO_ROWS, of_robot, unit
 
 from filter.geometry.polygon import clip
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.polytope import Polytope
-from filter.linear.pruning import prune
+from filter.linear.polytope import Polytope, prune
 
 
 def polytope(rng, robots=3, each=20):

@@ -14,7 +14,7 @@ from filter.linear.scaled import ScaledProgram
 def test_points_multipliers_and_objectives_mean_the_same(seed, at):
     rng = np.random.default_rng(seed)
     program = random_program(rng, 3, 30, origin=at)
-    scaled = ScaledProgram.of(program)
+    scaled = ScaledProgram(program)
     z, y, objectives = rng.uniform(-1, 1, (4, 6)), rng.exponential(1, (4, len(scaled.live))), rng.normal(size=(4, 6))
     for k, objective in enumerate(objectives):
         asked = []
@@ -32,13 +32,13 @@ def test_points_multipliers_and_objectives_mean_the_same(seed, at):
 
 
 def test_every_row_adds_up_to_one():
-    scaled = ScaledProgram.of(random_program(np.random.default_rng(0), 4, 50))
+    scaled = ScaledProgram(random_program(np.random.default_rng(0), 4, 50))
     assert abs(scaled.G).sum(axis=1) == pytest.approx(1)
 
 
 def test_anchored_coordinates_and_rows_that_the_box_implies_are_left_out():
     A = sparse.csr_array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
     program = LinearProgram(A, np.array([0.5, 9.0, 5.5]), np.array([0.0, 5.0]), np.array([1.0, 5.0]))
-    scaled = ScaledProgram.of(program)
+    scaled = ScaledProgram(program)
     assert scaled.free.tolist() == [0]
     assert scaled.live.tolist() == [0, 2]

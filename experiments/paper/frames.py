@@ -11,7 +11,7 @@ import numpy as np
 from experiments.paper.formations import Formation, Searcher
 from filter.arrays import Array, Integers, whole
 from filter.errors import InvalidInput, Unbounded
-from filter.projection.proved import Projection, relative_position
+from filter.projection.proved import Projection, position
 from filter.projection.stop import Budget, Stop
 from filter.sets.belief import Belief
 from filter.sets.set_membership import SetMembershipFilter
@@ -112,7 +112,8 @@ def relative_regions(
         if not len(set(whole("robots of a pair", [i, j]).tolist()) & set(range(len(formation)))) == 2:
             raise InvalidInput(f"pairs of two robots among 0 to {len(formation) - 1}", f"{i} and {j}")
         truth = formation.positions[i] - formation.positions[j]
-        regions.append(Relative(i, j, truth, searcher.project(relative_position(i, j, len(formation)), stop, budget)))
+        D = position(i, len(formation)) - position(j, len(formation))  # eq. 3
+        regions.append(Relative(i, j, truth, searcher.project(D, stop, budget)))
     return regions
 
 

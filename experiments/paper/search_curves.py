@@ -15,8 +15,8 @@ from experiments.paper.formations import Formation, Searcher
 from filter.arrays import Array, Integers
 from filter.geometry.convex import area_of
 from filter.geometry.polygon import Polygon
-from filter.linear.program import LinearProgram
-from filter.linear.solvers import SIMPLEX, Candidate
+from filter.linear.program import Candidate, LinearProgram
+from filter.linear.solvers import SIMPLEX
 from filter.projection.proved import Projection, position
 from filter.projection.search import project
 from filter.projection.stop import Stop

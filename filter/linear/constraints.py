@@ -1,8 +1,4 @@
-"""Every constraint is a half-plane on one robot or on a pair: normal . (x_j - x_i) <= offset.
-
-Kept as one sorted table, never as a list of objects, so that prediction, pruning and the cut-out of sub-teams are a few
-array expressions.
-"""
+"""Every constraint is a half-plane on one robot or on a pair, normal . (x_j - x_i) <= offset, kept in one sorted table."""
 
 from __future__ import annotations
 
@@ -12,8 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from filter.arrays import Array, Integers, Table
-from filter.compiled import compiled
+from filter.arrays import Array, Integers, Table, settle
 from filter.geometry.convex import EPSILON
 
 WORLD = -1
@@ -44,9 +39,7 @@ class Constraints(Table):
     def __post_init__(self) -> None:
         if (self._keys[1:] < self._keys[:-1]).any():
             order = np.argsort(self._keys, kind="stable")
-            for name, column in zip(self.__dataclass_fields__, self.columns, strict=True):
-                object.__setattr__(self, name, column[order])
-            object.__setattr__(self, "_keys", self._keys[order])
+            settle(self, _keys=self._keys[order], **{name: getattr(self, name)[order] for name in self.__dataclass_fields__})
         super().__post_init__()
 
     @classmethod
@@ -74,8 +67,8 @@ class Constraints(Table):
 
     def rows_of(self, i: int, j: int) -> Integers:
         """Return the rows on one pair, or with i = WORLD on one robot."""
-        begin, end = self.groups(np.array([i]), np.array([j]))
-        return np.arange(begin[0], end[0])
+        (begin,), (end,) = self.groups(np.array([i]), np.array([j]))
+        return np.arange(begin, end)
 
     def groups(self, i: Integers, j: Integers) -> tuple[Integers, Integers]:
         """Return where the rows of each of (g) pairs, or of robots where i is WORLD, begin and end, (g,) and (g,)."""
@@ -99,7 +92,7 @@ class Constraints(Table):
     def matrix(self, bodies: int) -> sparse.csr_array:
         """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""
         pair = self.i != WORLD
-        there = np.stack([pair, pair, np.ones_like(pair), np.ones_like(pair)], axis=1)
+        there = np.repeat(np.stack([pair, np.ones_like(pair)], axis=1), 2, axis=1)
         column = np.stack([2 * self.i, 2 * self.i + 1, 2 * self.j, 2 * self.j + 1], axis=1)[there]
         value = np.concatenate([-self.normal, self.normal], axis=1)[there]
         begin = np.concatenate([[0], np.cumsum(np.where(pair, 4, 2))])
@@ -113,25 +106,9 @@ def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
     last place of the normal times the greatest difference of the two positions, and of the offset.
 
     Args:
-        rows: Rows just built, all of them on pairs.
+        rows: Just built, all of them on pairs.
         lower: (bodies, 2) least coordinates [m].
-        upper: (bodies, 2) greatest coordinates [m].
+        upper: (bodies, 2) greatest ones [m].
     """
     difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
     return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))
-
-
-@compiled
-def may_be_broken(rows: Columns, lower: Array, upper: Array) -> bool:
-    """Return whether some row seems to hold nowhere in boxes (n, 2) around the robots; a look that is cheap, and no proof."""
-    i, j, normal, offset = rows
-    for row in range(len(offset)):
-        least = 0.0
-        for m in range(2):
-            coefficient = normal[row, m]
-            least += coefficient * (lower[j[row], m] if coefficient > 0 else upper[j[row], m])
-            if i[row] != WORLD:
-                least -= coefficient * (upper[i[row], m] if coefficient > 0 else lower[i[row], m])
-        if least > offset[row]:
-            return True
-    return False

@@ -1,4 +1,4 @@
-"""The team's polytope: constraints within a box, and what it says of one robot or one pair at a glance."""
+"""The team's polytope: constraints within a box, what it says of one robot or one pair at a glance, and which rows matter."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers
+from filter.arrays import Array, Frozen, Integers, Mask
+from filter.compiled import compiled
+from filter.geometry.convex import centroid_of
 from filter.geometry.many import Clipped, clip_boxes
-from filter.linear.constraints import WORLD, Constraints, may_be_broken
+from filter.geometry.simplify import edges_worth_keeping
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.program import LinearProgram
 
 
@@ -34,24 +37,62 @@ class Polytope(Frozen):
 
     def program(self) -> LinearProgram:
         """Return the polytope as a linear program in (x_0, y_0, x_1, y_1, ...)."""
-        return LinearProgram(
-            self.constraints.matrix(len(self.lower)), self.constraints.offset, self.lower.ravel(), self.upper.ravel()
-        )
+        A = self.constraints.matrix(len(self.lower))
+        return LinearProgram(A, self.constraints.offset, self.lower.ravel(), self.upper.ravel())
 
     def may_have_a_broken_row(self) -> bool:
         """Return whether some row seems to hold nowhere in the box; a look that is cheap, and no proof."""
-        return bool(may_be_broken(self.constraints.rows, self.lower, self.upper))
+        rows, (lower, upper) = self.constraints, self._box(self.constraints.i, self.constraints.j)
+        least = (rows.normal * np.where(rows.normal > 0, lower, upper)).sum(axis=1)
+        return bool((least > rows.offset).any())
 
     def of_robots(self, robots: Integers) -> Clipped:
-        """Return polygons around (g) robots, each from its own rows alone, and the row behind each edge."""
+        """Return polygons around (g) robots, each from its own rows and the box alone, and the row behind each edge."""
         return self.of(np.full(len(robots), WORLD), robots)
 
     def of(self, i: Integers, j: Integers) -> Clipped:
-        """Return polygons around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD; and the row behind each edge.
+        """Return the same around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD."""
+        rows = self.constraints
+        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), *self._box(i, j))
 
-        Each is from the rows of its own robot or pair alone, and from the box.
-        """
-        rows, mutual, lower, upper = self.constraints, np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
+    def _box(self, i: Integers, j: Integers) -> tuple[Array, Array]:
+        """Return the corners of boxes around x_j - x_i, or x_j where i is WORLD, both (g, 2); they err outward."""
+        mutual, lower, upper = np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
         lower[mutual] = np.nextafter(lower[mutual] - self.upper[i[mutual]], -np.inf)
         upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)
-        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), lower, upper)
+        return lower, upper
+
+
+def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constraints:
+    """Return the polytope's rows with at most so many left on each robot and on each pair: dropping rows is always sound.
+
+    Where there are more, those that the others imply within the group go first, then again and again the edge whose removal
+    adds the least area.
+    """
+    rows = polytope.constraints
+    i, j, first = rows.grouped()
+    size, budget = np.diff(first), np.where(i == WORLD, rows_per_robot, rows_per_pair)
+    crowded = np.flatnonzero(size > budget)
+    if not len(crowded):
+        return rows
+    clipped = polytope.of(i[crowded], j[crowded])
+    stays = size <= budget
+    stays[crowded[clipped.empty]] = True  # rows that exclude one another all stay, for the next update to name their causes
+    keep = np.repeat(stays, size)
+    outlines, is_row = clipped.polygons, clipped.behind < len(rows)  # sides of the box stay, and count nothing
+    lines = outlines.normals, outlines.offsets
+    worthy = _worthy(lines, outlines.vertices, outlines.first, is_row, budget[crowded])
+    keep[clipped.behind[worthy & is_row]] = True
+    return rows.select(keep)
+
+
+@compiled
+def _worthy(lines: tuple[Array, Array], vertices: Array, first: Integers, removable: Mask, budget: Integers) -> Mask:
+    normals, offsets = lines
+    keep = np.ones(len(offsets), dtype=np.bool_)
+    for k in range(len(budget)):
+        begin, end = first[k], first[k + 1]
+        x, y = centroid_of(vertices[begin:end])
+        level = offsets[begin:end] - (normals[begin:end, 0] * x + normals[begin:end, 1] * y)
+        keep[begin:end], _ = edges_worth_keeping(normals[begin:end], level, removable[begin:end], budget[k], -1.0)
+    return keep

@@ -19,8 +19,8 @@ class Source:
     """What produced a constraint.
 
     Attributes:
-        kind: A measurement ("compass", "bearing", "range", or "sighting" for a bearing with its range), a motion
-            ("odometry"), or what was known before: an "initial set", a "heading", or a "region", an earlier outer polygon.
+        kind: A measurement ("compass", "bearing", "range", or "sighting" for a bearing with its range), a motion ("odometry"),
+            or what was known before: an "initial set", a "heading", or a "region", an earlier outer polygon.
         time: When [s].
         robot: Who measured, or whose region or heading it is.
         target: What was measured, or None.
@@ -57,9 +57,8 @@ class Sources(Table):
     target: Integers = field(default_factory=_none)
 
     def __getitem__(self, number: int) -> Source:
-        target = int(self.target[number])
-        who, what = int(self.robot[number]), None if target == NOBODY else target
-        return Source(KINDS[self.kind[number]], float(self.time[number]), who, what)
+        kind, time, robot, target = (column[number].item() for column in self.columns)
+        return Source(KINDS[kind], time, robot, None if target == NOBODY else target)
 
     def extended(self, kind: Kind, time: float, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
         """Return the table with (k) more entries, and their numbers."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from filter.arrays import Array
 from filter.linear.program import LinearProgram
-from filter.linear.solvers import Candidate, Solver, Workspaces, deepest_point, name_of
+from filter.linear.solvers import Solver, Workspace, deepest_point, name_of, workspace
 from filter.projection.proved import HalfPlanes, Projection
 from filter.projection.search import project
 from filter.projection.stop import IsOver, Stop, never
@@ -35,22 +35,19 @@ class Failure:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What was found of a program.
+    """What solvers found of a program.
 
     Attributes:
-        projections: One for each that was asked for, or None for those that time ran out on; none when the program is empty.
-        failures: Where solvers failed.
+        point: (v,) proved to be inside, or else at least some point [m].
         contradiction: (r,) multipliers that prove that the program is empty, or None.
+        failures: Where solvers failed.
+        complete: The projections that time did not run out on, in the order they were asked for; none of an empty program.
     """
 
-    projections: tuple[Projection | None, ...] = ()
-    failures: tuple[Failure, ...] = ()
+    point: Array
     contradiction: Array | None = None
-
-    @property
-    def complete(self) -> tuple[Projection, ...]:
-        """Those that time did not run out on."""
-        return tuple(each for each in self.projections if each is not None)
+    failures: tuple[Failure, ...] = ()
+    complete: tuple[Projection, ...] = ()
 
 
 def project_all(
@@ -64,91 +61,56 @@ def project_all(
 ) -> Found:
     """Search several projections of a program.
 
-    The solvers are asked in turn, the next one where an answer is no good. If none is good, the best of what they prove
-    is taken; with what is known anyway it is always a region, only a larger one.
-
     Args:
         program: The polytope.
         planes: D (2, v) for each.
-        known: For each, half-planes that contain the projection anyway.
-        solvers: What searches.
+        known: For each, half-planes that contain the projection anyway: without any good answer it is a region, too.
+        solvers: They are asked in turn, the next one where an answer is no good; if none is, the least region counts.
         stop: When a projection is good enough.
         is_over: Whether time is up, and the projections that are left have to do without.
     """
     broken = broken_row(program)
-    inside = Interior(program.centre, broken) if broken is not None else interior(program, solvers)
+    inside = interior(program, solvers) if broken is None else Found(program.centre, broken)
     if inside.contradiction is not None:
-        return Found(contradiction=inside.contradiction)
-    workspaces, failures = Workspaces(program, solvers), list(inside.failures)
-    found = list[Projection | None]()
-    for k, (D, lines) in enumerate(zip(planes, known, strict=True)):
+        return inside
+    workspaces: list[Workspace | None] = [workspace(program, solver) for solver in solvers] or [None]
+    complete, failures = list[Projection](), inside.failures
+    for D, lines in zip(planes, known, strict=True):
         if is_over():
-            found.append(None)
-            continue
-        one, failed, used = _projected(workspaces, D, lines, inside.point, stop=stop, is_over=is_over)
-        found.append(one)
-        failures += [Failure(k, failed, used)] if failed else []
-    return Found(tuple(found), tuple(failures))
+            break
+        tried = list[Projection]()
+        for work in workspaces:
+            tried.append(project(program, work, D, inside.point, stop=stop, known=lines, is_over=is_over))
+            if tried[-1].looseness <= LOOSE:
+                break
+        is_good, failed = tried[-1].looseness <= LOOSE, list(map(name_of, solvers[: len(tried)]))
+        used = failed.pop() if is_good else None
+        failures += _told(len(complete), failed, used)
+        complete.append(tried[-1] if is_good else min(tried, key=lambda one: one.outer.area))
+    return replace(inside, failures=failures, complete=tuple(complete))
 
 
 def broken_row(program: LinearProgram) -> Array | None:
     """Return the multipliers of a row that no point of the box satisfies, or None: it is no row for a solver."""
-    room = program.slack + abs(program.A) @ program.radius
-    multipliers = np.zeros(len(room))
-    if not len(room) or room.min() >= 0:
-        return None
-    multipliers[np.argmin(room)] = 1.0
+    room, multipliers = program.slack + abs(program.A) @ program.radius, np.zeros(len(program.b))
+    multipliers[np.argsort(room, kind="stable")[:1]] = 1.0
     return multipliers if program.proves_empty(multipliers) else None
 
 
-@dataclass(frozen=True, eq=False)
-class Interior:
-    """What solvers say of a program's inside.
-
-    Attributes:
-        point: (v,) proved to be inside, or else at least some point [m].
-        contradiction: (r,) multipliers that prove that there is none, or None.
-        failures: Where solvers failed.
-    """
-
-    point: Array
-    contradiction: Array | None = None
-    failures: tuple[Failure, ...] = ()
-
-
-def interior(program: LinearProgram, solvers: Sequence[Solver]) -> Interior:
+def interior(program: LinearProgram, solvers: Sequence[Solver]) -> Found:
     """Return the first point that is proved to be inside, or at least some point, or a proof that there is none."""
-    points = [program.centre]
-    failed: list[str] = []
+    point, failed = program.centre, list[str]()
     for solver in solvers:
         found = deepest_point(program, solver)
-        if found is not None and program.proves_empty(found.multipliers):
-            return Interior(found.point, found.multipliers)
-        if found is not None and program.holds(found.point[None])[0]:
-            return Interior(found.point, None, (Failure(None, tuple(failed), name_of(solver)),) if failed else ())
-        points += [found.point] if found is not None else []
+        if found is not None:
+            point = found.point
+            if program.proves_empty(found.multipliers):
+                return Found(point, found.multipliers)
+            if program.holds(point[None])[0]:
+                return Found(point, None, _told(None, failed, name_of(solver)))
         failed.append(name_of(solver))
-    return Interior(points[-1], None, (Failure(None, tuple(failed), None),) if failed else ())
+    return Found(point, None, _told(None, failed, None))
 
 
-def _projected(
-    workspaces: Workspaces, D: Array, known: HalfPlanes, inside: Array, *, stop: Stop, is_over: IsOver
-) -> tuple[Projection, tuple[str, ...], str | None]:
-    """Return a projection by the first solver whose answers are good, or the least one of all; who failed; who did not."""
-    tried: list[Projection] = []
-    failed: list[str] = []
-    for name, solver in workspaces:
-        found = project(workspaces.program, solver, D, inside, stop=stop, known=known, is_over=is_over)
-        if found.looseness <= LOOSE:
-            return found, tuple(failed), name
-        tried.append(found)
-        failed.append(name)
-    tried = tried or [project(workspaces.program, _Nobody(), D, inside, stop=stop, known=known)]
-    return min(tried, key=lambda one: one.outer.area), tuple(failed), None
-
-
-class _Nobody:
-    """Stands where there is no solver."""
-
-    def maximize(self, objective: Array) -> Candidate | None:  # noqa: ARG002
-        return None
+def _told(which: int | None, failed: Sequence[str], used: str | None) -> tuple[Failure, ...]:
+    return (Failure(which, tuple(failed), used),) if failed else ()

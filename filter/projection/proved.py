@@ -30,15 +30,14 @@ class Projection(Frozen):
 
     Attributes:
         outer: Contains the projection: proved.
-        edges: (e,) the search behind each edge of the outer polygon; from s on the known half-planes, and then the sides of
-            the program's box.
+        edges: (e,) the search behind each edge of the outer polygon; from s on which of k half-planes that were known
+            anyway, from s + k on which side of the program's box.
         inner: Lies in the projection: its vertices are proved feasible. None when no point could be.
-        directions: (s, 2) searched directions, or normals of the exact edges that were kept, of length 1.
+        directions: (s, 2) searched directions, of length 1.
         weights: The proof of each direction's edge.
-        inner_areas: (s,) area inside after each search, as the solver has it [m2]; (0,) where nothing was searched.
-        outer_areas: (s,) area outside after each search, as the solver has it, infinite before the fourth [m2]; or (0,).
-        reason: Why the search ended, by the areas as the solver has them; or what decided how many edges of an exact
-            projection were kept, "exact" when all were that matter.
+        inner_areas: (s,) area inside after each search, as the solver has it [m2].
+        outer_areas: (s,) area outside, likewise, infinite before the fourth [m2].
+        reason: Why the search ended, by these areas.
         looseness: The most that what is proved in a direction differs from the point found for it, as a share of the
             box's extent; infinite when the solver gave up. A guess of the answers' quality, no proof of anything.
     """
@@ -51,7 +50,7 @@ class Projection(Frozen):
     inner_areas: Array
     outer_areas: Array
     reason: Reason
-    looseness: float = 0.0
+    looseness: float
 
     @property
     def searches(self) -> int:
@@ -75,26 +74,18 @@ def performance_ratio(inner: Polygon | None, outer: Polygon) -> float:
 
 def position(robot: int, robots: int) -> Array:
     """Return D (2, 2 robots) of the projection onto a robot's position (eq. 2)."""
-    D = np.zeros((2, 2 * robots))
-    D[:, 2 * robot : 2 * robot + 2] = np.eye(2)
-    return D
-
-
-def relative_position(i: int, j: int, robots: int) -> Array:
-    """Return D (2, 2 robots) of the projection onto x_i - x_j (eq. 3)."""
-    return position(i, robots) - position(j, robots)
+    return np.eye(2, 2 * robots, 2 * robot)
 
 
 def certified_offsets(program: LinearProgram, D: Array, directions: Array, multipliers: Array) -> Array:
-    """Return (s,) offsets of proved edges: direction . D x is nowhere greater in the program's polytope [m].
+    """Return (s,) offsets of proved edges: direction (s, 2) . D x is nowhere greater in the program's polytope [m].
 
-    Args:
-        program: The polytope.
-        D: (2, v) the projection.
-        directions: (s, 2) normals of the edges.
-        multipliers: (s, r) candidates for the proofs, from wherever; bad ones give large offsets, none a wrong one.
+    The multipliers (s, r) are candidates for the proofs, from wherever: bad ones give large offsets, none a wrong one.
     """
-    return program.certified_bounds(directions @ D, multipliers) + _rounding_of_objectives(program, D, directions)
+    # What the rounding of direction . D can be worth; nothing for positions and their differences.
+    exact = np.isin(D, (-1, 0, 1)).all(axis=0) & (np.count_nonzero(D, axis=0) <= 1)
+    size = np.abs(directions) @ np.where(exact, 0.0, np.abs(D)) @ (np.abs(program.centre) + program.radius)
+    return program.certified_bounds(directions @ D, multipliers) + 4 * EPSILON * size
 
 
 def looseness(program: LinearProgram, D: Array, directions: Array, points: Array, certified: Array) -> float:
@@ -108,36 +99,22 @@ def looseness(program: LinearProgram, D: Array, directions: Array, points: Array
 
 
 def outer_polygon(program: LinearProgram, D: Array, edges: HalfPlanes, known: HalfPlanes) -> tuple[Polygon, Integers]:
-    """Return a polygon around the projection {D x}, and what is behind each of its edges.
-
-    That is one of the s proved edges, from s on one of the k half-planes that are known to contain the projection anyway,
-    and from s + k on a side of the program's box.
-    """
-    middle, reach = D @ program.centre, np.abs(D) @ program.radius
-    terms = 4 + np.count_nonzero(D, axis=1)
-    reach = reach + terms * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
+    """Return a polygon around the projection {D x}, and what is behind each of its edges, as in `Projection`."""
+    rounding = (4 + np.count_nonzero(D, axis=1)) * EPSILON * (np.abs(D) @ (np.abs(program.centre) + program.radius))
+    middle, reach = D @ program.centre, np.abs(D) @ program.radius + rounding
     normals, offsets = np.concatenate([edges[0], known[0]]), np.concatenate([edges[1], known[1]])
-    kept = clip(normals, offsets, middle - reach, middle + reach)
-    if kept is not None:
-        return kept
-    # The set is empty, which nobody has proved with names; what was known and the box contain it, too.
-    kept = clip(known[0], known[1], middle - reach, middle + reach)
-    if kept is not None:
-        return kept[0], kept[1] + len(edges[0])
+    # Where these leave nothing, which nobody has proved with names, what was known and the box contain the projection, too.
+    for begin in (0, len(edges[0])):
+        kept = clip(normals[begin:], offsets[begin:], middle - reach, middle + reach)
+        if kept is not None:
+            return kept[0], begin + kept[1]
     return Polygon.box(middle - reach, middle + reach), len(offsets) + np.arange(4)
 
 
-def _rounding_of_objectives(program: LinearProgram, D: Array, directions: Array) -> Array:
-    """Return (s,) what the rounding of direction . D can be worth [m]; nothing for positions and their differences."""
-    exact = (np.count_nonzero(D, axis=0) <= 1) & (np.abs(D).max(axis=0) == np.ceil(np.abs(D).max(axis=0).clip(0, 1)))
-    rough = np.where(exact, 0.0, np.abs(D))
-    return 4 * EPSILON * (np.abs(directions) @ rough @ (np.abs(program.centre) + program.radius))
-
-
 def inner_polygon(program: LinearProgram, D: Array, points: Array, interior: Array) -> Polygon | None:
-    """Return a polygon inside the projection {D x}: the hull of those of the (k, v) points that are proved feasible.
+    """Return the hull of (k, v) points, in the projection {D x}, or None where none of them is proved feasible.
 
-    They are first pulled to an interior point (v,), as far as they need it; None when none can be proved feasible.
+    They are first pulled to an interior point (v,), as far as they need it.
     """
     pulled = program.pulled(points, interior)
     feasible = pulled[program.holds(pulled)]

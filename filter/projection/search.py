@@ -1,28 +1,18 @@
-"""The search for a projection (section 7 of the paper): always where inside and outside differ most.
-
-Between two neighbouring points the inner and the outer polygon differ by a triangle; the largest triangle is searched next.
-"""
+"""The search for a projection (section 7 of the paper): always where inside and outside differ most, by a triangle."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from filter.arrays import Array
-from filter.linear.program import LinearProgram
+from filter.linear.program import Candidate, LinearProgram
 from filter.linear.solvers import Workspace
 from filter.projection.claims import Weights
-from filter.projection.proved import (
-    NOTHING,
-    HalfPlanes,
-    Projection,
-    certified_offsets,
-    inner_polygon,
-    looseness,
-    outer_polygon,
-)
+from filter.projection.proved import NOTHING, HalfPlanes, Projection, certified_offsets, inner_polygon, looseness, outer_polygon
 from filter.projection.stop import IsOver, Reason, Stop, never
 
 # A triangle below this share of the polygon's squared size is rounding; a line between nearer points has no direction.
@@ -33,7 +23,7 @@ THIN = 1e-6
 
 def project(
     program: LinearProgram,
-    solver: Workspace,
+    solver: Workspace | None,
     D: Array,
     interior: Array,
     *,
@@ -45,7 +35,7 @@ def project(
 
     Args:
         program: The polytope.
-        solver: A workspace on the same program.
+        solver: A workspace on the same program, or None where nobody searches.
         D: (2, v).
         interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
         stop: When to end; it looks at what the searches found, not at what was known.
@@ -53,108 +43,74 @@ def project(
         is_over: Whether time is up; it is asked from the fourth search on.
 
     Algorithm:
-        Section 7 of the paper: two opposite searches, two normal to the line between their points, then always
-        normal to the inner edge of the largest triangle. The bounds on areas hold for any points of the optimal
-        faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
+        Two opposite searches, two normal to the line between their points, then always normal to the inner edge of the
+        largest triangle by which the inner and the outer polygon differ. The bounds on areas hold for any points of the
+        optimal faces; at most 2 |V| searches only for vertices, which an interior-point solver need not return.
     """
-    search = _Search(solver, D, stop, is_over)
-    search.run()
-    directions = np.array([(direction.real, direction.imag) for direction in search.directions]).reshape(-1, 2)
-    points = np.array(search.points).reshape(-1, D.shape[1])
-    multipliers = np.array(search.multipliers).reshape(len(directions), len(program.b))
+    made, areas, reason = _searched(solver, D, stop, is_over)
+    directions = np.array([(each.direction.real, each.direction.imag) for each in made]).reshape(-1, 2)
+    points = np.array([each.found.point for each in made]).reshape(-1, D.shape[1])
+    multipliers = np.array([each.found.multipliers for each in made]).reshape(len(directions), len(program.b))
     multipliers = program.essential(directions @ D, multipliers)
+    inner_areas, outer_areas = np.array(areas).reshape(-1, 2).T
     certified = certified_offsets(program, D, directions, multipliers)
     return Projection(
         *outer_polygon(program, D, (directions, certified), known),
         inner_polygon(program, D, points, interior),
         directions,
         Weights.of(multipliers),
-        np.array(search.inner_areas),
-        np.array(search.outer_areas),
-        search.reason,
-        np.inf if search.reason == "solver" else looseness(program, D, directions, points, certified),
+        inner_areas,
+        outer_areas,
+        reason,
+        np.inf if reason == "solver" else looseness(program, D, directions, points, certified),
     )
 
 
 @dataclass
 class _Support:
-    """One search: its direction, the point reached, and the triangle up to the next. The plane's vectors are x + y j."""
+    """One search: its direction, x + y j, what was found, the point reached, and the triangle up to the next support."""
 
     direction: complex
+    found: Candidate
     point: complex
     triangle: float = 0.0
 
 
-@dataclass
-class _Search:
-    """The searches of one projection, and its supports in counter-clockwise order."""
-
-    solver: Workspace
-    D: Array
-    stop: Stop
-    is_over: IsOver
-    supports: list[_Support] = field(default_factory=list)
-    directions: list[complex] = field(default_factory=list)
-    points: list[Array] = field(default_factory=list)
-    multipliers: list[Array] = field(default_factory=list)
-    inner_areas: list[float] = field(default_factory=list)
-    outer_areas: list[float] = field(default_factory=list)
-    reason: Reason = "solver"
-
-    def run(self) -> None:
-        if not self._begin():
-            return
-        while True:
-            supports = self.supports
-            inner_area, gap = self._inner_area(), sum(support.triangle for support in supports)
-            self._record(inner_area, inner_area + gap)
-            reason = self.stop.reason(inner_area, gap, len(self.directions))
-            reason = reason or ("time" if self.is_over() else None)
-            k = max(range(len(supports)), key=lambda k: supports[k].triangle)
-            if reason or supports[k].triangle <= NO_TRIANGLE * (inner_area + gap):
-                self.reason = reason or "exact"
-                return
-            edge = supports[(k + 1) % len(supports)].point - supports[k].point
-            if not self._look(k + 1, edge * -1j):
-                return
-
-    def _begin(self) -> bool:
-        """Make the first four searches (section 7.1); False when the solver gives up."""
-        for place, direction in enumerate((1 + 0j, -1 + 0j)):
-            if not self._look(place, direction):
-                return False
-            self._record(0.0, np.inf)
-        right, left = (support.point for support in self.supports)
-        along = right - left
-        across = along * 1j if along.real > THIN * abs(along) else 1j
-        if not self._look(1, across):
-            return False
-        self._record(self._inner_area(), np.inf)
-        return self._look(3, -across)
-
-    def _look(self, place: int, towards: complex) -> bool:
-        """Search one direction and put its support in its place; False when the solver gives up."""
+def _searched(
+    solver: Workspace | None, D: Array, stop: Stop, is_over: IsOver
+) -> tuple[list[_Support], list[tuple[float, float]], Reason]:
+    """Return the searches, the areas inside and outside after each, and why they ended."""
+    made, around, areas = list[_Support](), list[_Support](), list[tuple[float, float]]()
+    while True:
+        place, towards = _next(made, around)
         direction = towards / abs(towards)
-        found = self.solver.maximize(direction.real * self.D[0] + direction.imag * self.D[1])
+        found = solver.maximize(direction.real * D[0] + direction.imag * D[1]) if solver else None
         if found is None or not np.isfinite(found.point).all():
-            return False
-        self.supports.insert(place, _Support(direction, complex(*(self.D @ found.point))))
-        self.directions.append(direction)
-        self.points.append(found.point)
-        self.multipliers.append(found.multipliers)
-        changed = range(4) if len(self.supports) == 4 else (place - 1, place)
-        for k in changed if len(self.supports) >= 4 else ():
-            self.supports[k].triangle = _triangle(self.supports[k], self.supports[(k + 1) % len(self.supports)])
-        return True
+            return made, areas, "solver"
+        made.append(_Support(direction, found, complex(*(D @ found.point))))
+        around.insert(place, made[-1])
+        for k in (place - 1, place):
+            around[k].triangle = _triangle(around[k], around[(k + 1) % len(around)])
+        edges = [support.point - around[0].point for support in around[1:]]
+        inner_area = max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
+        gap = sum(support.triangle for support in around) if len(made) >= 4 else np.inf
+        areas.append((inner_area, inner_area + gap))
+        if len(made) >= 4:
+            reason = stop.reason(inner_area, gap, len(made)) or ("time" if is_over() else None)
+            if reason or max(support.triangle for support in around) <= NO_TRIANGLE * (inner_area + gap):
+                return made, areas, reason or "exact"
 
-    def _inner_area(self) -> float:
-        first = self.supports[0].point
-        edges = [support.point - first for support in self.supports[1:]]
-        return max(0.0, sum(_cross(here, after) for here, after in pairwise(edges)) / 2)
 
-    def _record(self, inner_area: float, outer_area: float) -> None:
-        self.inner_areas.append(inner_area)
-        self.outer_areas.append(outer_area)
+def _next(made: Sequence[_Support], around: Sequence[_Support]) -> tuple[int, complex]:
+    """Return the next search's place among those around, counter-clockwise, and its direction."""
+    if len(made) < 2:
+        return len(made), (1 + 0j, -1 + 0j)[len(made)]
+    if len(made) < 4:
+        along = made[0].point - made[1].point
+        across = along * 1j if along.real > THIN * abs(along) else 1j
+        return (1, across) if len(made) == 2 else (3, -across)
+    k = max(range(len(around)), key=lambda k: around[k].triangle)
+    return k + 1, (around[(k + 1) % len(around)].point - around[k].point) * -1j
 
 
 def _cross(a: complex, b: complex) -> float:

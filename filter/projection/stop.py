@@ -23,15 +23,13 @@ def never() -> bool:
 class Stop:
     """When a projection is good enough: at whichever comes first.
 
-    A search ends there. An exact projection is simplified, outward, as far as that.
+    A search ends there; an exact projection is simplified, outward, as far as that. Raises `InvalidInput` if a number is not
+    finite or out of its range.
 
     Attributes:
         performance_ratio: Inner area over outer area (eq. 7), in [0, 1].
         area_gap: Outer area less inner area (eq. 6) [m2], from 0 on.
         searches: Number of searches, or of edges, from 4 on.
-
-    Raises:
-        InvalidInput: A number is not finite or out of its range.
     """
 
     performance_ratio: float = 0.999
@@ -66,14 +64,12 @@ class Budget:
 
     It is looked at between one region and the next, in windows after every 64 on each thread, and in a search from the fourth
     direction on, so an update takes that much longer than the budget. When time is up, regions that are not refined yet stay
-    as they are known anyway.
+    as they are known anyway. Raises `InvalidInput` if the time is not finite or negative, the clock no function or
+    without a number.
 
     Attributes:
         seconds: From 0 on [s].
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
-
-    Raises:
-        InvalidInput: The time is not finite or negative, or the clock is no function or tells no number.
     """
 
     seconds: float

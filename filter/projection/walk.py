@@ -12,9 +12,8 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.geometry.convex import EPSILON, SMALLEST, clip_into, clip_room, side_of_box
-from filter.linear.certify import Members, certified
+from filter.linear.certify import WORTHLESS, Members, certified
 from filter.linear.constraints import WORLD
-from filter.linear.implied import WORTHLESS
 from filter.projection.inside import inside_of
 from filter.projection.shadow import LONGEST, LONGEST_EACH, Trace, no_trace, simplified, turn
 from filter.projection.sheet import Sheet, Task

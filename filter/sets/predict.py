@@ -12,8 +12,8 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.errors import Inconsistent
 from filter.geometry.polygon import SIDES
+from filter.linear.certify import imply
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.implied import imply
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.sensing.motion import Displacements

@@ -13,8 +13,8 @@ import numpy as np
 from filter.arrays import Array, Integers, read_only
 from filter.errors import Inconsistent
 from filter.geometry.polygon import SIDES
+from filter.linear.certify import imply
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.implied import imply
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
 from filter.projection.claims import Outlines, Weights

@@ -14,8 +14,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
-from filter.linear.polytope import Polytope
-from filter.linear.pruning import prune
+from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
 from filter.measurements import Measurement, Odometry

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.linear.solvers import Candidate, workspace
+from filter.linear.program import Candidate
+from filter.linear.solvers import workspace
 
 
 def _raised(error):

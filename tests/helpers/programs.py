@@ -10,12 +10,11 @@ from scipy.optimize import linprog
 
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.polytope import Polytope
+from filter.linear.polytope import Polytope, prune
 from filter.linear.program import LinearProgram
-from filter.linear.pruning import prune
 from filter.linear.solvers import deepest_point, workspace
 from filter.linear.sources import Sources
-from filter.projection.proved import position, relative_position
+from filter.projection.proved import position
 from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
@@ -121,7 +120,7 @@ def support(program, objective):
 def supports(polytope, directions, j, i=WORLD):
     """Return (k,) how far the whole team's program lets robot j, or x_j - x_i, go in directions (k, 2), as HiGHS has it."""
     program, robots = polytope.program(), len(polytope.lower)
-    D = position(j, robots) if i == WORLD else relative_position(j, i, robots)
+    D = position(j, robots) - (0 if i == WORLD else position(i, robots))
     return np.array([support(program, direction @ D) for direction in directions])
 
 

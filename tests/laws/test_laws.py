@@ -10,8 +10,7 @@ from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
-from filter.linear.polytope import Polytope
-from filter.linear.pruning import prune
+from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import deepest_point, workspace
 from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.projection.proved import position

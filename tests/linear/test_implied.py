@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filter.geometry.polygon import SIDES, Polygon
+from filter.linear.certify import WORTHLESS, imply
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.implied import WORTHLESS, across, imply
 from filter.linear.polytope import Polytope
 
 NOBODY, FIRST = np.array([WORLD]), np.array([0])
@@ -127,7 +127,7 @@ def test_of_a_polygon_as_small_as_its_rounding_nothing_is_cut():
     claims, polygons = implied(Polytope(rows, np.full((1, 2), -1.0), np.full((1, 2), 1.0)), ALL_AROUND)
     a = polygons[0].normals
     b = np.roll(a, -1, axis=0)
-    turned = np.arctan2(across(a.T, b.T), (a * b).sum(axis=1))
+    turned = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1))
     assert turned[turned > 0].sum() > 2 * np.pi
     check(claims)
     assert (claims.offset >= reaches(claims, polygons) - 1e-15).all()
@@ -168,8 +168,3 @@ def test_rows_through_corners_leave_every_polygon_as_it_is():
     before = polytope.of(i, j).polygons
     after = polytope.with_constraints(Constraints.concatenate([polytope.constraints, through])).of(i, j).polygons
     assert after.areas == pytest.approx(before.areas, rel=1e-9)
-
-
-def test_across_is_the_area_between_two_vectors():
-    assert across(np.array([2.0, 0.0]), np.array([5.0, 3.0])) == 6.0
-    assert across(np.array([5.0, 3.0]), np.array([2.0, 0.0])) == -6.0

@@ -1,11 +1,13 @@
 """What the team's polytope says of one robot or one pair at a glance."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.worlds import NO_ROWS, of_pair, of_robot, unit
 
 from filter.geometry.polygon import SIDES
-from filter.linear.constraints import Constraints
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 
 
@@ -79,3 +81,23 @@ def test_the_box_cannot_be_changed():
     for corner in (team.lower, team.upper):
         with pytest.raises(ValueError, match="read-only"):
             corner[0] = 0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_row_that_seems_to_hold_nowhere_in_the_box_is_seen(seed):
+    """Against all corners of both boxes: the least that a row can say is at one of them."""
+    rng = np.random.default_rng(seed)
+    lower = rng.uniform(-1, 0, (4, 2))
+    upper = lower + rng.uniform(0, 1, (4, 2))
+    i, j = np.array([(i, j) for j in range(4) for i in range(WORLD, j)])[rng.integers(0, 10, 8)].T
+    rows = Constraints(i, j, unit(rng.uniform(-np.pi, np.pi, 8)), np.zeros(8), np.arange(8))
+    box = np.stack([lower, upper])
+    least = np.full(8, np.inf)
+    for corner in np.ndindex(2, 2, 2, 2):
+        of_j = np.stack([box[corner[m], rows.j, m] for m in range(2)], axis=1)
+        of_i = np.stack([box[corner[2 + m], rows.i, m] for m in range(2)], axis=1)
+        least = np.minimum(least, (rows.normal * (of_j - np.where((rows.i == WORLD)[:, None], 0.0, of_i))).sum(axis=1))
+    barely = least + 1e-9
+    for broken in range(-1, 8):
+        offset = np.where(np.arange(8) == broken, least - 1e-9, barely)
+        assert Polytope(replace(rows, offset=offset), lower, upper).may_have_a_broken_row() == (broken >= 0)

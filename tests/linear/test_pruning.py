@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from helpers.worlds import NO_ROWS, of_robot, unit
 
-from filter.geometry.many import clip_boxes
 from filter.geometry.polygon import clip
 from filter.linear.constraints import WORLD, Constraints
-from filter.linear.polytope import Polytope
-from filter.linear.pruning import prune, worthy_rows
+from filter.linear.polytope import Polytope, prune
 
 
 def polytope(rng, robots=3, each=20):
@@ -20,11 +18,9 @@ def polytope(rng, robots=3, each=20):
 
 
 def worthy(normals, offsets, half, budget):
-    """Return the rows to keep of the part of a box that lies in some half-planes, and those that are edges at all."""
-    corner, count = np.full((1, 2), half), len(offsets)
-    clipped = clip_boxes(normals, offsets, (np.array([0]), np.array([count])), -corner, corner)
-    edges = clipped.behind[clipped.behind < count]
-    return worthy_rows(clipped, np.array([len(edges) + budget if budget < 0 else budget]), count), edges
+    """Return the rows to keep of the part of a box that lies in some half-planes."""
+    rows = Constraints.on_robot(0, normals, offsets, np.arange(len(offsets)))
+    return prune(Polytope(rows, np.full((1, 2), -half), np.full((1, 2), half)), budget, 0).source
 
 
 def groups_of(rows):
@@ -69,7 +65,7 @@ def test_rows_that_others_imply_go_first():
 def test_the_edge_whose_removal_adds_least_goes_first():
     box = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
     corner = unit(np.pi / 4)[None]
-    kept, _ = worthy(np.vstack([box, corner]), np.append(np.ones(4), 1.4), 9.0, 4)
+    kept = worthy(np.vstack([box, corner]), np.append(np.ones(4), 1.4), 9.0, 4)
     assert sorted(kept) == [0, 1, 2, 3]
 
 
@@ -78,7 +74,9 @@ def test_greedy_pruning_is_as_good_as_trying_every_single_edge():
     for _ in range(20):
         normals = unit(np.sort(rng.uniform(-np.pi, np.pi, 9)))
         offsets, lower, upper = rng.uniform(0.5, 1, 9), np.full(2, -20.0), np.full(2, 20.0)
-        kept, rows = worthy(normals, offsets, 20.0, -1)
+        edges = clip(normals, offsets, lower, upper)[1]
+        rows = edges[edges < 9]
+        kept = worthy(normals, offsets, 20.0, len(rows) - 1)
         areas = {
             gone: clip(np.delete(normals, gone, 0), np.delete(offsets, gone), lower, upper)[0].area for gone in rows.tolist()
         }
@@ -88,8 +86,8 @@ def test_greedy_pruning_is_as_good_as_trying_every_single_edge():
 
 
 def test_the_box_stays_and_counts_nothing():
-    assert worthy(np.array([[1.0, 0.0]]), np.array([0.0]), 1.0, 4)[0].tolist() == [0]
-    assert worthy(np.zeros((0, 2)), np.zeros(0), 1.0, 4)[0].tolist() == []
+    assert worthy(np.array([[1.0, 0.0], [1.0, 0.0]]), np.array([0.0, 0.5]), 1.0, 1).tolist() == [0]
+    assert worthy(np.zeros((0, 2)), np.zeros(0), 1.0, 4).tolist() == []
 
 
 @pytest.mark.parametrize("width", [0.0, 1e-12])

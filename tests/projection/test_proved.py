@@ -9,7 +9,7 @@ from helpers.worlds import exact_slack, feasible, outside_hull, random_program, 
 from scipy.optimize import linprog
 
 from filter.geometry.polygon import Polygon
-from filter.linear.solvers import Candidate
+from filter.linear.program import Candidate
 from filter.projection.proved import (
     NOTHING,
     certified_offsets,
@@ -18,7 +18,6 @@ from filter.projection.proved import (
     outer_polygon,
     performance_ratio,
     position,
-    relative_position,
 )
 from filter.projection.search import project
 from filter.projection.stop import Stop
@@ -97,10 +96,9 @@ def test_any_matrix_is_projected_soundly_where_its_products_cancel(far):
             assert Fraction(float(normal[0])) * image[0] + Fraction(float(normal[1])) * image[1] <= Fraction(float(offset))
 
 
-def test_positions_and_relative_positions():
+def test_a_position_is_two_coordinates():
     x = np.arange(6.0)
     assert (position(1, 3) @ x).tolist() == [2, 3]
-    assert (relative_position(2, 0, 3) @ x).tolist() == [4, 4]
 
 
 def test_ratios_without_area():
@@ -113,7 +111,7 @@ def test_ratios_without_area():
 
 def test_offsets_from_whatever_multipliers_are_never_too_small():
     rng = np.random.default_rng(3)
-    program, D, directions = random_program(rng, 2, 12), relative_position(0, 1, 2), unit(rng.uniform(-np.pi, np.pi, 20))
+    program, D, directions = random_program(rng, 2, 12), position(0, 2) - position(1, 2), unit(rng.uniform(-np.pi, np.pi, 20))
     offsets = certified_offsets(program, D, directions, rng.exponential(1, (20, 12)) * 10.0 ** rng.integers(-9, 9, (20, 1)))
     true = np.array([support(program, direction @ D) for direction in directions])
     assert (offsets >= true - 1e-9).all()

@@ -7,8 +7,9 @@ from helpers.programs import searched, support
 from helpers.worlds import outside_hull, random_program, unit
 
 from filter.geometry.polygon import Polygon
-from filter.linear.solvers import Candidate, workspace
-from filter.projection.proved import position, relative_position
+from filter.linear.program import Candidate
+from filter.linear.solvers import workspace
+from filter.projection.proved import position
 from filter.projection.search import project
 from filter.projection.stop import Stop
 
@@ -21,7 +22,7 @@ def matrices(robots, rng):
     return {
         "position": position(0, robots),
         "last": position(robots - 1, robots),
-        "relative": relative_position(1, 0, robots),
+        "relative": position(1, robots) - position(0, robots),
         "mean": sum(position(k, robots) for k in range(robots)) / robots,
         "any": rng.normal(size=(2, 2 * robots)),
     }

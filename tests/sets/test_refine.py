@@ -10,7 +10,7 @@ from filter.errors import Inconsistent
 from filter.geometry.polygon import SIDES, Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.linear.solvers import Candidate
+from filter.linear.program import Candidate
 from filter.linear.sources import Source, Sources
 from filter.projection.stop import Stop
 from filter.projection.team import Projector

@@ -59,6 +59,23 @@ class Frozen:
         settle(self, **{name: read_only(value) for name, value in values.items() if isinstance(value, np.ndarray)})
 
 
+class Checked(Frozen):
+    """Base of frozen dataclasses that a caller makes: fields become what the checks in their metadata make of them."""
+
+    def __post_init__(self) -> None:
+        settle(self, **self._passed())
+        super().__post_init__()
+
+    def _passed(self) -> dict[str, Any]:
+        kinds = self.__dataclass_fields__.items()
+        return {name: kind.metadata["check"](getattr(self, name)) for name, kind in kinds if kind.metadata}
+
+
+def checked(check: Callable[..., Any], name: str, *limits: Any) -> dict[str, Any]:
+    """Return a field's metadata: which of the checks below it has to pass, under which name and within which limits."""
+    return {"check": lambda value: check(name, value, *limits)}
+
+
 class Table(Frozen):
     """Base of frozen dataclasses whose fields are columns: arrays with one entry, or one row, for each of k things."""
 
@@ -158,7 +175,9 @@ def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Intege
     """Return a copy of whole numbers from `low` to `high`, none of them a float or masked."""
     expected = f"{name}: whole numbers from {low} " + ("on" if high == MAX_INDEX else f"to {high}")
     array = _made(expected, values, _as_whole)
-    right = (array >= low) & (array <= high)
+    right = array >= low
+    if high < MAX_INDEX or array.dtype.kind == "u":
+        right &= array <= high
     if not right.all():
         raise InvalidInput(expected, array[~right].flat[0].item())
     return array.astype(np.int64, copy=False)
@@ -201,10 +220,11 @@ def chosen(what: str, index: int | slice, among: int) -> int | range:
         raise OutOfRange(f"{what} among 0 to {among - 1}", shown(index)) from None
 
 
-def instance(name: str, value: Any, *kinds: type) -> None:
-    """Check that a value is of one of some types."""
+def instance(name: str, value: Any, *kinds: type) -> Any:
+    """Return a value that is of one of some types."""
     if not isinstance(value, kinds):
         raise InvalidInput(f"{name}: {' or '.join(map(_one, kinds))}", shown(value))
+    return value
 
 
 def _one(kind: type) -> str:
@@ -214,7 +234,8 @@ def _one(kind: type) -> str:
     return f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
 
 
-def function(name: str, value: Any) -> None:
-    """Check that a value can be called."""
+def function(name: str, value: Any) -> Any:
+    """Return a value that can be called."""
     if not callable(value):
         raise InvalidInput(f"{name}: a function", shown(value))
+    return value

@@ -10,36 +10,24 @@ Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landm
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
-from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, finite, number, read_only, settle, several, whole
+from filter.arrays import Array, Checked, Floats, Integers, checked, finite, number, read_only, settle, several, whole
 from filter.errors import InvalidInput
 
+TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
 
 
-def _checked(check: Callable[..., Any], name: str, **limits: float) -> dict[str, Any]:
-    """Return what a field has to be: what a check makes of what is handed in; errors call it by that name."""
-    return {"check": partial(check, name, **limits)}
-
-
-TIME, ROBOT, TARGET = _checked(number, "time [s]"), _checked(whole, "robot"), _checked(whole, "target")
-
-
-class _Record:
-    """Base of records: every field is checked, then all columns get the length of the longest."""
-
-    __dataclass_fields__: ClassVar[dict[str, Any]]
+class _Record(Checked):
+    """Base of records: all columns get the length of the longest."""
 
     def __post_init__(self) -> None:
-        kind, values = type(self).__name__, {}
-        for each in fields(self):
-            values[each.name] = each.metadata["check"](getattr(self, each.name))
+        kind, values = type(self).__name__, self._passed()
         columns = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
         try:
             arrays = np.broadcast_arrays(*map(np.atleast_1d, columns.values()))
@@ -81,8 +69,8 @@ class Compass(_Record):
 
     time: float = field(metadata=TIME)
     robot: Integers = field(metadata=ROBOT)
-    heading: Array = field(metadata=_checked(finite, "heading [rad]"))
-    bound: Array = field(metadata=_checked(finite, "compass bound [rad]", low=0, high=np.pi))
+    heading: Array = field(metadata=checked(finite, "heading [rad]"))
+    bound: Array = field(metadata=checked(finite, "compass bound [rad]", 0, np.pi))
 
     if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
 
@@ -107,8 +95,8 @@ class Bearing(_Sighting):
     time: float = field(metadata=TIME)
     robot: Integers = field(metadata=ROBOT)
     target: Integers = field(metadata=TARGET)
-    bearing: Array = field(metadata=_checked(finite, "bearing [rad]"))
-    bound: Array = field(metadata=_checked(finite, "bearing bound [rad]", low=0, high=BELOW_90_DEGREES))
+    bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
+    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, BELOW_90_DEGREES))
 
     if TYPE_CHECKING:
 
@@ -134,9 +122,9 @@ class Range(_Sighting):
     time: float = field(metadata=TIME)
     robot: Integers = field(metadata=ROBOT)
     target: Integers = field(metadata=TARGET)
-    range: Array = field(metadata=_checked(finite, "range [m]", low=0))
-    bound: Array = field(metadata=_checked(finite, "range bound [m]", low=0))
-    relative_bound: Array = field(metadata=_checked(finite, "relative range bound", low=0, high=BELOW_1))
+    range: Array = field(metadata=checked(finite, "range [m]", 0))
+    bound: Array = field(metadata=checked(finite, "range bound [m]", 0))
+    relative_bound: Array = field(metadata=checked(finite, "relative range bound", 0, BELOW_1))
 
     if TYPE_CHECKING:
 
@@ -180,15 +168,15 @@ class Odometry(_Record):
         InvalidInput: A value is not finite or out of its range, time runs backwards, or a robot comes twice.
     """
 
-    start: float = field(metadata=_checked(number, "start [s]"))
+    start: float = field(metadata=checked(number, "start [s]"))
     time: float = field(metadata=TIME)
     robot: Integers = field(metadata=ROBOT)
-    distance: Array = field(metadata=_checked(finite, "distance [m]"))
-    distance_bound: Array = field(metadata=_checked(finite, "distance bound [m]", low=0))
-    turn: Array = field(metadata=_checked(finite, "turn [rad]"))
-    turn_bound: Array = field(metadata=_checked(finite, "turn bound [rad]", low=0))
-    direction_bound: Array = field(metadata=_checked(finite, "direction bound [rad]", low=0, high=BELOW_90_DEGREES))
-    slip_bound: Array = field(metadata=_checked(finite, "slip bound [m]", low=0))
+    distance: Array = field(metadata=checked(finite, "distance [m]"))
+    distance_bound: Array = field(metadata=checked(finite, "distance bound [m]", 0))
+    turn: Array = field(metadata=checked(finite, "turn [rad]"))
+    turn_bound: Array = field(metadata=checked(finite, "turn bound [rad]", 0))
+    direction_bound: Array = field(metadata=checked(finite, "direction bound [rad]", 0, BELOW_90_DEGREES))
+    slip_bound: Array = field(metadata=checked(finite, "slip bound [m]", 0))
 
     if TYPE_CHECKING:
 

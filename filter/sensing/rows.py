@@ -6,16 +6,20 @@ its lower range row lacks a minus (as printed it says nothing).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.geometry.angles import AngularIntervals
+from filter.errors import Inconsistent
+from filter.geometry.angles import AngularIntervals, intersection
 from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Compass, Range
+from filter.linear.sources import Source, Sources
+from filter.measurements import Bearing, Compass, Measurement, Range
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of area at most.
 TANGENT_SPACING = np.pi / 6
@@ -83,28 +87,16 @@ def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, 
 
 
 def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constraints:
-    """Return rows on bodies as rows on robots: landmarks, numbered from n on, are put in, and all rounding is covered.
-
-    Args:
-        rows: Rows just built, all of them on pairs.
-        polytope: Where the n robots can be.
-        landmarks: (l, 2) known positions [m].
-    """
+    """Return rows just built, on pairs of bodies, as rows on robots: landmarks (l, 2) are put in, all rounding is covered."""
     robots = len(polytope.lower)
     lower, upper = np.concatenate([polytope.lower, landmarks]), np.concatenate([polytope.upper, landmarks])
     outward = rows.shifted(rounding_of_rows(rows, lower, upper))
     fixed = outward.j >= robots
     where = np.concatenate([np.zeros((robots, 2)), landmarks])[outward.j]
-    shift = -(outward.normal * where).sum(axis=1)
-    rounding = 4 * EPSILON * np.abs(outward.normal * where).sum(axis=1)
-    moved = outward.shifted(shift + rounding)
-    return Constraints(
-        np.where(fixed, WORLD, moved.i),
-        np.where(fixed, moved.i, moved.j),
-        np.where(fixed[:, None], -moved.normal, moved.normal),
-        moved.offset,
-        moved.source,
-    )
+    along = outward.normal * where
+    moved = outward.shifted(4 * EPSILON * np.abs(along).sum(axis=1) - along.sum(axis=1))
+    i, j, normal = np.where(fixed, WORLD, moved.i), np.where(fixed, moved.i, moved.j), moved.normal
+    return Constraints(i, j, np.where(fixed[:, None], -normal, normal), moved.offset, moved.source)
 
 
 def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, target: Integers) -> AngularIntervals:
@@ -120,3 +112,56 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
     seen = polytope.of_robots(i[fixed]).polygons.mirrored(landmarks[j[fixed] - robots]).spans()
     spans = spans.replaced(fixed, seen).replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
     return spans[which].turned(np.where(robot > target, np.pi, 0.0))
+
+
+def narrowed_headings(
+    headings: AngularIntervals, polytope: Polytope, measurements: Sequence[Measurement], landmarks: Array
+) -> AngularIntervals:
+    """Return the (n) headings after compasses, and bearings to targets whose direction the polytope roughly tells [rad].
+
+    Raises:
+        Inconsistent: What is known and measured of a heading is proved to have nothing in common.
+    """
+    arcs, sources = [AngularIntervals(np.zeros(0), np.zeros(0))], Sources()
+    for record in measurements:
+        if isinstance(record, Compass):
+            arcs.append(heading_arcs_of_compass(record))
+            sources, _ = sources.extended("compass", record.time, record.robot)
+        elif isinstance(record, Bearing):
+            spans = spans_of_targets(polytope, landmarks, record.robot, record.target)
+            arcs.append(heading_arcs_of_bearing(record, spans))
+            sources, _ = sources.extended("bearing", record.time, record.robot, record.target)
+    centre, bound = np.concatenate([each.centre for each in arcs]), np.concatenate([each.bound for each in arcs])
+    return _narrowed(headings, AngularIntervals(centre, bound), sources)
+
+
+def _narrowed(headings: AngularIntervals, arcs: AngularIntervals, sources: Sources) -> AngularIntervals:
+    """Intersect headings with arcs, the narrowest first, so that the order they come in makes no difference."""
+    order = np.lexsort((arcs.centre, arcs.bound))
+    centre, bound = headings.centre.copy(), headings.bound.copy()
+    last = _intersect((centre, bound), (arcs.centre, arcs.bound), sources.robot, order)
+    if last >= 0:
+        same = order[: last + 1][sources.robot[order[: last + 1]] == sources.robot[order[last]]]
+        raise _disagreement(headings[sources.robot[order[[last]]]], arcs[same], [sources[int(k)] for k in same])
+    return AngularIntervals(centre, bound)
+
+
+@compiled
+def _intersect(known: tuple[Array, Array], arcs: tuple[Array, Array], robot: Integers, order: Integers) -> int:
+    """Narrow the arcs of robots in place; return the first place in the order where nothing is left, or -1."""
+    centre, bound = known
+    for k in range(len(order)):
+        arc, whose = order[k], robot[order[k]]
+        centre[whose], bound[whose] = intersection(centre[whose], bound[whose], arcs[0][arc], arcs[1][arc])
+        if bound[whose] < 0:
+            return k
+    return -1
+
+
+def _disagreement(known: AngularIntervals, measured: AngularIntervals, sources: list[Source]) -> Inconsistent:
+    """Return the error that names the arc which excludes the last measured one; if only all together do, then all."""
+    last = sources[-1]
+    every = AngularIntervals(np.append(known.centre, measured.centre[:-1]), np.append(known.bound, measured.bound[:-1]))
+    named = [Source("heading", last.time, last.robot), *sources[:-1]]
+    apart = np.flatnonzero(every.intersection(measured[np.full(len(every), -1)]).empty)
+    return Inconsistent(f"at {last.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), last])

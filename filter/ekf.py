@@ -158,10 +158,9 @@ class ExtendedKalmanFilter(Checked):
 
     def _driven(self, state: Array, odometry: Odometry, k: int) -> tuple[Array, Array, Array]:
         """Return a robot's state after the k-th motion, its Jacobian and the covariance of what the motion adds, (3, 3)."""
-        distance, turn = odometry.distance[k], odometry.turn[k]
+        distance, turn, F = odometry.distance[k], odometry.turn[k], np.eye(STATES)
         way = state[2] + turn / 2
         along, across = np.array([np.cos(way), np.sin(way)]), np.array([-np.sin(way), np.cos(way)])
-        F = np.eye(STATES)
         F[:2, 2] = distance * across
         # Columns: errors of distance, of turn (half of which bends the way), of direction, and slip on both axes.
         G = np.zeros((STATES, 5))
@@ -177,10 +176,8 @@ class ExtendedKalmanFilter(Checked):
         if self.gate is not None:
             kept = _passes(belief, innovation, H, variance, self.gate)
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
-        rejected = belief.rejected + len(record.robot) - len(innovation)
-        P = belief.covariance
-        S = H @ P @ H.T + np.diag(variance)
-        K = _solved(S, H @ P).T
+        rejected, P = belief.rejected + len(record.robot) - len(innovation), belief.covariance
+        K = _solved(H @ P @ H.T + np.diag(variance), H @ P).T
         mean = belief.mean + (K @ innovation).reshape(-1, STATES)
         mean[:, 2] = wrap(mean[:, 2])
         keep = np.eye(len(P)) - K @ H

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
@@ -168,11 +168,9 @@ class FixedLag(Checked, Generic[AnyBelief]):
         return Lagged((Step(Frame(_time_of(belief)), belief, belief, 0.0),))
 
     def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
-        """Return what is known after measurements of any times, in any order.
+        """Return what is known after measurements of any times, in any order; what was known stays as it is.
 
-        Args:
-            lagged: Stays as it is.
-            measurements: Records; how late they are is counted from the newest that came before.
+        How late they are is counted from the newest that came before.
 
         Raises:
             InvalidInput: Something is no record.
@@ -185,7 +183,9 @@ class FixedLag(Checked, Generic[AnyBelief]):
         refused = _count(records) - _count(kept)
         late = _count([record for record in kept if record.time < newest])
         steps = self._redone(lagged.steps, kept) if kept else lagged.steps
-        return replace(lagged, steps=self._recent(steps), late=lagged.late + late, refused=lagged.refused + refused)
+        # The last one before the lag stays, too: a late one would begin with it.
+        older = sum(step.belief.time < steps[-1].belief.time - self.lag for step in steps)
+        return Lagged(steps[max(0, older - 1) :], lagged.late + late, lagged.refused + refused)
 
     def _redone(self, steps: tuple[Step[AnyBelief], ...], records: list[Measurement]) -> tuple[Step[AnyBelief], ...]:
         """Return the steps with records put in where they belong, and everything since then done again."""
@@ -198,12 +198,6 @@ class FixedLag(Checked, Generic[AnyBelief]):
         for before, time in pairwise([begin.time, *sorted(at)]):
             frames.append(Frame(time, self.motion(before, time) if before < time else None, at[time]))
         return (*steps[:first], *follow(self.inner, begin, frames))
-
-    def _recent(self, steps: tuple[Step[AnyBelief], ...]) -> tuple[Step[AnyBelief], ...]:
-        """Return the steps within the lag, and the last one before them, which a late one would begin with."""
-        since = steps[-1].belief.time - self.lag
-        older = sum(step.belief.time < since for step in steps)
-        return steps[max(0, older - 1) :]
 
 
 def _count(records: Sequence[Measurement]) -> int:

@@ -1,8 +1,8 @@
 """What sensors say: records with a value and a bound, one or many at a time.
 
-A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array,
-and numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats
-or of whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not.
+A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array, and
+numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats or of
+whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not.
 
 Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
 +- bound, always: a bound is a promise, not a deviation.

@@ -89,11 +89,7 @@ class Team(Checked):
     def initial(
         self, positions: Iterable[Polygon], headings: AngularIntervals | None
     ) -> tuple[tuple[Polygon, ...], AngularIntervals]:
-        """Return (n) polygons and arcs around the robots' first positions and headings; None for whole circles.
-
-        Raises:
-            InvalidInput: Something is no polygon, the numbers of sets and robots differ, or an arc is empty.
-        """
+        """Return (n) polygons and arcs (None: whole circles); `InvalidInput` unless there is one for each robot, none empty."""
         expected = f"one initial polygon for each of {self.robots} robots"
         polygons = several(f"a sequence with {expected}", positions, Polygon)
         if len(polygons) != self.robots:
@@ -105,12 +101,7 @@ class Team(Checked):
         return polygons, known
 
     def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> float:
-        """Check a prediction from one time to another; return the latter as a float [s].
-
-        Raises:
-            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, or names an unknown robot; or nobody knows how far robots went.
-        """
+        """Return the time to predict as a float [s]; raises what `Filter.predict` does, and `InvalidInput` if it is too far."""
         before, now = number("time of the belief [s]", belief_time), number("time [s]", time)
         if now < before:
             raise OutOfOrder("a prediction", now, before)
@@ -126,12 +117,7 @@ class Team(Checked):
         return now
 
     def checked(self, belief_time: float, measurements: Iterable[Measurement]) -> tuple[Measurement, ...]:
-        """Return measurements that are to be merged at one time, if they can be.
-
-        Raises:
-            OutOfOrder: A record is of another time.
-            InvalidInput: Something is no record, or a record names an unknown robot or landmark.
-        """
+        """Return measurements that are to be merged at one time; raises what `Filter.update` does."""
         now, records = number("time of the belief [s]", belief_time), measurements_of(measurements)
         for record in records:
             self.check(record)

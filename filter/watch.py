@@ -60,8 +60,8 @@ def watch(
         probability: What the ellipses are said to contain, in [0, 1).
 
     Raises:
-        InvalidInput: It is no belief of the set-membership filter's, a shape does not fit it, a position is infinite, a
-            covariance is not symmetric and positive definite, or the probability is out of its range.
+        InvalidInput: It is no `Belief`, a shape does not fit it, a position is infinite, a covariance is not symmetric and
+            positive definite, or the probability is out of its range.
     """
     instance("belief", belief, Belief)
     robots, points = len(belief.regions), floats("positions [m]", positions)

@@ -106,11 +106,11 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
     """
     robots, first, second = len(polytope.lower), np.minimum(robot, target), np.maximum(robot, target)
     pairs, which = np.unique(first * (robots + len(landmarks)) + second, return_inverse=True)
-    i, j = pairs // (robots + len(landmarks)), pairs % (robots + len(landmarks))
+    i, j = np.divmod(pairs, robots + len(landmarks))
     fixed, mutual = np.flatnonzero(j >= robots), np.flatnonzero(j < robots)
-    spans = AngularIntervals.circles(len(pairs))
     seen = polytope.of_robots(i[fixed]).polygons.mirrored(landmarks[j[fixed] - robots]).spans()
-    spans = spans.replaced(fixed, seen).replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
+    spans = AngularIntervals.circles(len(pairs)).replaced(fixed, seen)
+    spans = spans.replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
     return spans[which].turned(np.where(robot > target, np.pi, 0.0))
 
 

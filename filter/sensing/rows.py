@@ -141,8 +141,7 @@ def _narrowed(headings: AngularIntervals, arcs: AngularIntervals, sources: Sourc
     centre, bound = headings.centre.copy(), headings.bound.copy()
     last = _intersect((centre, bound), (arcs.centre, arcs.bound), sources.robot, order)
     if last >= 0:
-        same = order[: last + 1][sources.robot[order[: last + 1]] == sources.robot[order[last]]]
-        raise _disagreement(headings[sources.robot[order[[last]]]], arcs[same], [sources[int(k)] for k in same])
+        raise _conflict(headings, arcs, sources, order[:last], order[last])
     return AngularIntervals(centre, bound)
 
 
@@ -158,10 +157,11 @@ def _intersect(known: tuple[Array, Array], arcs: tuple[Array, Array], robot: Int
     return -1
 
 
-def _disagreement(known: AngularIntervals, measured: AngularIntervals, sources: list[Source]) -> Inconsistent:
-    """Return the error that names the arc which excludes the last measured one; if only all together do, then all."""
-    last = sources[-1]
-    every = AngularIntervals(np.append(known.centre, measured.centre[:-1]), np.append(known.bound, measured.bound[:-1]))
-    named = [Source("heading", last.time, last.robot), *sources[:-1]]
-    apart = np.flatnonzero(every.intersection(measured[np.full(len(every), -1)]).empty)
-    return Inconsistent(f"at {last.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), last])
+def _conflict(known: AngularIntervals, arcs: AngularIntervals, sources: Sources, before: Integers, last: int) -> Inconsistent:
+    """Return the error that names the arc, of those before, which excludes the last one; if only all together do, then all."""
+    robot, newest = sources.robot[last], sources[last]
+    same = before[sources.robot[before] == robot]
+    named = [Source("heading", newest.time, newest.robot), *map(sources.__getitem__, same)]
+    every = AngularIntervals(np.append(known.centre[robot], arcs.centre[same]), np.append(known.bound[robot], arcs.bound[same]))
+    apart = np.flatnonzero(every.intersection(arcs[np.full(len(every), last)]).empty)
+    return Inconsistent(f"at {newest.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), newest])

@@ -4,17 +4,16 @@ Everything that a user names is here: `from filter import SetMembershipFilter, T
 notice.
 
 Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, frame, team, linear/,
-sensing/, projection/, sets/, robust/, follow, lag, ekf, watch, warm_up.
+sensing/, projection/, sets/, robust/, follow, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange, Unbounded
-from filter.follow import AnyBelief, Filter, Step, follow
+from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Step, follow
 from filter.frame import Frame, Truth
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.lag import FixedLag, Lagged
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.projection.stop import Budget, Stop
@@ -32,63 +31,12 @@ from filter.team import Team
 from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
-__all__ = [
-    "PHASES",
-    "Alarm",
-    "Alignment",
-    "AngularIntervals",
-    "AnyBelief",
-    "Array",
-    "Bearing",
-    "Belief",
-    "Budget",
-    "Compass",
-    "CorralError",
-    "Disagreement",
-    "Distrusted",
-    "Event",
-    "ExtendedKalmanFilter",
-    "Fallback",
-    "Filter",
-    "FixedLag",
-    "Floats",
-    "Frame",
-    "GaussianBelief",
-    "Inconsistent",
-    "Integers",
-    "InvalidInput",
-    "Lagged",
-    "Late",
-    "Mask",
-    "Measurement",
-    "NoiseModel",
-    "Odometry",
-    "OutOfOrder",
-    "OutOfRange",
-    "Policy",
-    "Polygon",
-    "Proof",
-    "Range",
-    "Region",
-    "Regions",
-    "Rejected",
-    "Restarted",
-    "RobustBelief",
-    "RobustEvent",
-    "RobustFilter",
-    "Rules",
-    "SetMembershipFilter",
-    "Source",
-    "Step",
-    "Stop",
-    "Suspicion",
-    "Team",
-    "Truth",
-    "Turned",
-    "Unbounded",
-    "Window",
-    "follow",
-    "warm_up",
-    "watch",
-    "wrap",
-]
+__all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Range", "Team", "Truth"]
+__all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
+__all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Step", "follow", "warm_up", "watch"]
+__all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
+__all__ += ["Alarm", "Belief", "Event", "Fallback", "Proof", "Region", "Regions", "Rejected", "Source"]
+__all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
+__all__ += ["Rules", "Suspicion", "Turned"]
+__all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]
+__all__ += ["CorralError", "Inconsistent", "InvalidInput", "OutOfOrder", "OutOfRange", "Unbounded"]

@@ -1,8 +1,11 @@
-"""Array types, the base of records made of arrays, and the checks of everything that is handed in."""
+"""Array types, the base of records made of arrays, and the checks of everything that is handed in.
+
+A check raises `InvalidInput`, with what was expected and what came, unless a value is what its docstring says.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
@@ -23,7 +26,6 @@ LARGEST = 1e100
 # No team has more: a larger number is a slip, and would fill the memory.
 MOST_ROBOTS = 1_000_000
 MAX_INDEX = np.iinfo(np.int64).max
-FLOAT = np.dtype(np.float64)
 # So many characters of what came are shown.
 SHOWN = 120
 REAL = (int, float, Fraction, Decimal, np.integer, np.floating)
@@ -34,9 +36,6 @@ def read_only(values: NDArray[Any]) -> NDArray[Any]:
     """Return the array itself, made read-only, or a read-only copy of a view.
 
     For arrays that were just made: what a caller may still write to is copied first, as `finite` and `whole` do.
-
-    Raises:
-        InvalidInput: It is no array.
     """
     if not isinstance(values, np.ndarray):
         raise InvalidInput("a numpy array", shown(values))
@@ -45,16 +44,37 @@ def read_only(values: NDArray[Any]) -> NDArray[Any]:
     return owned
 
 
+def settle(record: object, **checked: Any) -> None:
+    """Set fields of a frozen record to their checked values."""
+    for name, value in checked.items():
+        object.__setattr__(record, name, value)
+
+
 class Frozen:
     """Base of frozen dataclasses: the arrays among their fields are made read-only."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def __post_init__(self) -> None:
-        for name in self.__dataclass_fields__:
-            value = getattr(self, name)
-            if isinstance(value, np.ndarray):
-                object.__setattr__(self, name, read_only(value))
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        settle(self, **{name: read_only(value) for name, value in values.items() if isinstance(value, np.ndarray)})
+
+
+class Checked(Frozen):
+    """Base of frozen dataclasses that a caller makes: fields become what the checks in their metadata make of them."""
+
+    def __post_init__(self) -> None:
+        settle(self, **self._passed())
+        super().__post_init__()
+
+    def _passed(self) -> dict[str, Any]:
+        kinds = self.__dataclass_fields__.items()
+        return {name: kind.metadata["check"](getattr(self, name)) for name, kind in kinds if kind.metadata}
+
+
+def checked(check: Callable[..., Any], name: str, *limits: Any) -> dict[str, Any]:
+    """Return a field's metadata: which of the checks below it has to pass, under which name and within which limits."""
+    return {"check": lambda value: check(name, value, *limits)}
 
 
 class Table(Frozen):
@@ -130,12 +150,6 @@ class Lists(Frozen):
         return cls(**columns, **{"first": first})
 
 
-def settle(record: object, **checked: Any) -> None:
-    """Set fields of a frozen record to their checked values."""
-    for name, value in checked.items():
-        object.__setattr__(record, name, value)
-
-
 def shown(value: Any) -> str:
     """Return a value as one line of text that is not too long, whatever it is."""
     try:
@@ -145,37 +159,16 @@ def shown(value: Any) -> str:
     return text if len(text) <= SHOWN else f"{text[:SHOWN]}... ({type(value).__name__})"
 
 
-def floats(name: str, values: Floats, expected: str = "numbers") -> Array:
-    """Return a copy of real numbers as floats, infinite ones and NaN included.
-
-    Ints, Fractions, Decimals and numpy's numbers are real numbers, alone, in arrays or in lists; text is none, nor is True.
-
-    Raises:
-        InvalidInput: A value is no real number, or masked.
-    """
-    array = np.array(values) if type(values) is np.ndarray and values.dtype == FLOAT else _as_floats(values)
-    if array is None:
-        raise _refused(f"{name}: {expected}", values)
-    return array
-
-
-def _as_floats(values: Floats) -> Array | None:
-    """Return real numbers as floats, None where one is none."""
+def _made(expected: str, values: Any, made_of: Callable[[NDArray[Any]], NDArray[Any] | None]) -> NDArray[Any]:
+    """Return what can be made of a copy of the values as an array, unless that is None."""
+    masked = _masked(values)
     try:
-        array = np.array(values)
-        real = array.dtype.kind in "fiu" or (array.dtype.kind == "O" and all(map(_is_real, array.flat)))
-        return array.astype(FLOAT, copy=False) if real and not _masked(values) else None
+        made = None if masked else made_of(np.array(values))
     except Exception:  # numpy's errors, and whatever a caller's own class raises
-        return None
-
-
-def _is_real(value: Any) -> bool:
-    return isinstance(value, REAL) and not isinstance(value, NOT_REAL)
-
-
-def _refused(expected: str, values: Any) -> InvalidInput:
-    masked = ", none of them masked (fill or drop those)" if _masked(values) else ""
-    return InvalidInput(expected + masked, shown(values))
+        made = None
+    if made is None:
+        raise InvalidInput(expected + ", none of them masked (fill or drop those)" * masked, shown(values))
+    return made
 
 
 def _masked(values: Any, depth: int = 3) -> bool:
@@ -185,12 +178,29 @@ def _masked(values: Any, depth: int = 3) -> bool:
     return isinstance(values, np.ma.MaskedArray)
 
 
-def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf) -> Array:
-    """Return a copy of the values as floats, all finite and within [low, high]; see `floats` for what numbers are.
+def _as_floats(array: NDArray[Any]) -> Array | None:
+    real = array.dtype.kind in "fiu" or (array.dtype.kind == "O" and all(map(_is_real, array.flat)))
+    return array.astype(np.float64, copy=False) if real else None
 
-    Raises:
-        InvalidInput: A value is not a number, not finite, or outside.
+
+def _is_real(value: Any) -> bool:
+    return isinstance(value, REAL) and not isinstance(value, NOT_REAL)
+
+
+def _as_whole(array: NDArray[Any]) -> NDArray[Any] | None:
+    return array if array.dtype.kind in "iu" or (array.dtype.kind == "f" and not array.size) else None
+
+
+def floats(name: str, values: Floats, expected: str = "numbers") -> Array:
+    """Return a copy of real numbers as floats, infinite ones and NaN included, none of them masked.
+
+    Ints, Fractions, Decimals and numpy's numbers are real numbers, alone, in arrays or in lists; text is none, nor is True.
     """
+    return _made(f"{name}: {expected}", values, _as_floats)
+
+
+def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf) -> Array:
+    """Return a copy of real numbers (see `floats`) as floats, all finite and within [low, high]."""
     least, most = max(low, -LARGEST), min(high, LARGEST)
     if type(values) is float and least <= values <= most:
         return np.array(values)
@@ -205,41 +215,19 @@ def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf
 
 
 def number(name: str, value: Any, low: float = -np.inf, high: float = np.inf) -> float:
-    """Return one finite number within [low, high] as a float.
-
-    Raises:
-        InvalidInput: It is none.
-    """
-    if type(value) is float and max(low, -LARGEST) <= value <= min(high, LARGEST):
-        return value
-    array = finite(name, value, low, high)
-    if array.ndim:
-        raise InvalidInput(f"{name}: one number", shown(value))
-    return float(array)
+    """Return one finite number within [low, high] as a float."""
+    return float(_alone(f"{name}: one number", finite(name, value, low, high), value))
 
 
 def positive(name: str, value: Any, high: float = np.inf) -> float:
-    """Return one finite number above 0 and up to `high` as a float; what it divides stays finite.
-
-    Raises:
-        InvalidInput: It is none.
-    """
+    """Return one finite number above 0 and up to `high` as a float; what it divides stays finite."""
     return number(name, value, 1 / LARGEST, high)
 
 
 def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Integers:
-    """Return a copy of the values as whole numbers from `low` to `high`.
-
-    Raises:
-        InvalidInput: A value is smaller, larger, masked, or not a whole number.
-    """
+    """Return a copy of whole numbers from `low` to `high`, none of them a float or masked."""
     expected = f"{name}: whole numbers from {low} " + ("on" if high == MAX_INDEX else f"to {high}")
-    try:
-        array = np.array(values)
-    except Exception:  # numpy's errors, and whatever a caller's own class raises
-        raise _refused(expected, values) from None
-    if (array.dtype.kind not in "iu" and (array.size or array.dtype.kind != "f")) or _masked(values):
-        raise _refused(expected, values)
+    array = _made(expected, values, _as_whole)
     right = array >= low
     if high < MAX_INDEX or array.dtype.kind == "u":
         right &= array <= high
@@ -249,23 +237,18 @@ def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Intege
 
 
 def whole_number(name: str, value: Any, low: int = 0, high: int = MAX_INDEX) -> int:
-    """Return one whole number from `low` to `high`.
+    """Return one whole number from `low` to `high`."""
+    return int(_alone(f"{name}: one whole number", whole(name, value, low, high), value))
 
-    Raises:
-        InvalidInput: It is none.
-    """
-    array = whole(name, value, low, high)
+
+def _alone(expected: str, array: NDArray[Any], came: Any) -> NDArray[Any]:
     if array.ndim:
-        raise InvalidInput(f"{name}: one whole number", shown(value))
-    return int(array)
+        raise InvalidInput(expected, shown(came))
+    return array
 
 
 def one_by_one(expected: str, values: Any) -> Iterator[Any]:
-    """Return what goes through a sequence, a generator or the like.
-
-    Raises:
-        InvalidInput: It holds nothing that one could go through.
-    """
+    """Return what goes through a sequence, a generator or the like."""
     try:
         return iter(values)
     except Exception:  # of a caller's own class, too
@@ -273,11 +256,7 @@ def one_by_one(expected: str, values: Any) -> Iterator[Any]:
 
 
 def several(expected: str, values: Any, *kinds: type) -> tuple[Any, ...]:
-    """Return what a sequence, a generator or the like holds: things of some types.
-
-    Raises:
-        InvalidInput: It holds nothing that one could go through, or something else.
-    """
+    """Return what a sequence, a generator or the like holds: things of some types."""
     found = []
     for each in one_by_one(expected, values):
         if not isinstance(each, kinds):
@@ -287,25 +266,18 @@ def several(expected: str, values: Any, *kinds: type) -> tuple[Any, ...]:
 
 
 def chosen(what: str, index: int | slice, among: int) -> int | range:
-    """Return which of so many things an index or a slice means, as for a list.
-
-    Raises:
-        OutOfRange: It is beyond them, or no index.
-    """
+    """Return which of so many things an index or a slice means, as for a list; raises `OutOfRange` if it means none."""
     try:
         return range(among)[index]
     except Exception:  # of range, or of a caller's own class
         raise OutOfRange(f"{what} among 0 to {among - 1}", shown(index)) from None
 
 
-def instance(name: str, value: Any, *kinds: type) -> None:
-    """Check that a value is of one of some types.
-
-    Raises:
-        InvalidInput: It is of another one.
-    """
+def instance(name: str, value: Any, *kinds: type) -> Any:
+    """Return a value that is of one of some types."""
     if not isinstance(value, kinds):
         raise InvalidInput(f"{name}: {' or '.join(map(_one, kinds))}", shown(value))
+    return value
 
 
 def _one(kind: type) -> str:
@@ -315,11 +287,8 @@ def _one(kind: type) -> str:
     return f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
 
 
-def function(name: str, value: Any) -> None:
-    """Check that a value can be called.
-
-    Raises:
-        InvalidInput: It cannot.
-    """
+def function(name: str, value: Any) -> Any:
+    """Return a value that can be called."""
     if not callable(value):
         raise InvalidInput(f"{name}: a function", shown(value))
+    return value

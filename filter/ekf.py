@@ -9,16 +9,16 @@ right.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import erfc
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask, finite, instance, number, positive, settle, whole_number
+from filter.arrays import Array, Checked, Mask, checked, finite, instance, positive, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.measurements import TIME, Bearing, Compass, Measurement, Odometry
 from filter.team import Team
 
 STATES = 3  # x, y, heading
@@ -32,14 +32,7 @@ QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no bel
 class NoiseModel:
     """Standard deviations of the errors, each relative to the declared bound: the one place where the filter is tuned.
 
-    Attributes:
-        compass: Of headings.
-        bearing: Of bearings.
-        range: Of ranges.
-        distance: Of a driven distance.
-        turn: Of a turn.
-        direction: Of the motion's direction.
-        slip: Of slip, on each axis.
+    They are those of headings, bearings, ranges, driven distances, turns, the motion's direction, and slip on each axis.
 
     Raises:
         InvalidInput: A number is not finite, not above 0, or above 1e6.
@@ -60,11 +53,11 @@ class NoiseModel:
     @classmethod
     def same(cls, share: float) -> NoiseModel:
         """Return a model with one deviation over bound for all errors; 1/3 takes a bound for three deviations."""
-        return cls(share, share, share, share, share, share, share)
+        return cls(*[share] * len(fields(cls)))
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianBelief(Frozen):
+class GaussianBelief(Checked):
     """What the Kalman filter believes at one time.
 
     Attributes:
@@ -77,18 +70,16 @@ class GaussianBelief(Frozen):
         InvalidInput: A value is not finite, or of another type or shape.
     """
 
-    time: float
-    mean: Array
-    covariance: Array
-    rejected: int = 0
+    time: float = field(metadata=TIME)
+    mean: Array = field(metadata=checked(finite, "mean"))
+    covariance: Array = field(metadata=checked(finite, "covariance"))
+    rejected: int = field(default=0, metadata=checked(whole_number, "rejected"))
 
     def __post_init__(self) -> None:
-        mean, covariance = finite("mean", self.mean), finite("covariance", self.covariance)
-        if mean.ndim != 2 or mean.shape[1] != STATES or covariance.shape != (mean.size, mean.size):
-            raise InvalidInput("a mean (n, 3) and a covariance (3n, 3n)", f"shapes {mean.shape} and {covariance.shape}")
-        time, rejected = number("time [s]", self.time), whole_number("rejected", self.rejected)
-        settle(self, time=time, mean=mean, covariance=covariance, rejected=rejected)
         super().__post_init__()
+        mean, covariance, size = self.mean.shape, self.covariance.shape, self.mean.size
+        if len(mean) != 2 or mean[1] != STATES or covariance != (size, size):
+            raise InvalidInput("a mean (n, 3) and a covariance (3n, 3n)", f"shapes {mean} and {covariance}")
 
     @property
     def position_covariances(self) -> Array:
@@ -103,11 +94,7 @@ class GaussianBelief(Frozen):
         return np.asarray(np.sqrt(np.diagonal(self.covariance)[2::STATES]))
 
     def relative(self, i: int, j: int) -> tuple[Array, Array]:
-        """Return mean (2,) [m] and covariance (2, 2) [m2] of x_i - x_j.
-
-        Raises:
-            InvalidInput: There is no such robot.
-        """
+        """Return mean (2,) [m] and covariance (2, 2) [m2] of x_i - x_j; `InvalidInput` if there is no such robot."""
         i, j = (whole_number("robot", robot, 0, len(self.mean) - 1) for robot in (i, j))
         D = np.zeros((2, self.mean.size))
         D[:, STATES * i : STATES * i + 2], D[:, STATES * j : STATES * j + 2] = np.eye(2), -np.eye(2)
@@ -115,8 +102,8 @@ class GaussianBelief(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class ExtendedKalmanFilter:
-    """The joint extended Kalman filter of a team.
+class ExtendedKalmanFilter(Checked):
+    """The joint extended Kalman filter of a team: a `Filter`, which also refuses what is too large to be weighed.
 
     Attributes:
         team: The robots, the landmarks and their limits.
@@ -128,47 +115,32 @@ class ExtendedKalmanFilter:
         InvalidInput: An attribute is of another type, or the gate out of its range.
     """
 
-    team: Team
-    noise: NoiseModel = field(default_factory=NoiseModel)
+    team: Team = field(metadata=checked(instance, "team", Team))
+    noise: NoiseModel = field(default_factory=NoiseModel, metadata=checked(instance, "noise", NoiseModel))
     gate: float | None = None
 
     def __post_init__(self) -> None:
-        instance("team", self.team, Team)
-        instance("noise", self.noise, NoiseModel)
+        super().__post_init__()
         if self.gate is not None:
             settle(self, gate=positive("gate quantile", self.gate, np.nextafter(1.0, 0)))
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> GaussianBelief:
-        """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets.
-
-        Raises:
-            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, or an arc is empty.
-        """
-        begin = number("time [s]", time)
+        """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets."""
         polygons, arcs = self.team.initial(positions, headings)
         corners = np.array([polygon.bounds for polygon in polygons])
         half = (corners[:, 1] - corners[:, 0]) / 2
         deviations = UNIFORM * np.column_stack([half, arcs.bound])
         mean = np.column_stack([corners.mean(axis=1), arcs.centre])
-        return GaussianBelief(begin, mean, np.diag(deviations.ravel() ** 2))
+        return GaussianBelief(time, mean, np.diag(deviations.ravel() ** 2))
 
     @QUIET
     def predict(self, belief: GaussianBelief, time: float, odometry: Odometry | None = None) -> GaussianBelief:
-        """Return the belief at a later time; a robot without odometry is taken to stand, within its limits of motion.
-
-        Raises:
-            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, names an unknown robot, or is too large to be weighed.
-        """
+        """Return the belief at a later time [s]; a robot without odometry is taken to stand, within its limits of motion."""
         self.team.check_belief(belief, GaussianBelief, "mean")
         time = self.team.check_motion(belief.time, time, odometry)
-        n, duration = self.team.robots, time - belief.time
-        moved, F, Q = belief.mean.copy(), np.eye(belief.mean.size), np.zeros((belief.mean.size, belief.mean.size))
+        duration, moved, F = time - belief.time, belief.mean.copy(), np.eye(belief.mean.size)
         reach, swing = UNIFORM * self.team.speed_limit * duration, UNIFORM * self.team.turn_rate_limit * duration
-        idle = np.setdiff1d(np.arange(n), [] if odometry is None else odometry.robot)
-        for robot in idle:
-            block = slice(STATES * robot, STATES * robot + STATES)
-            Q[block, block] = np.diag([reach**2, reach**2, swing**2])
+        Q = np.diag([reach**2, reach**2, swing**2] * self.team.robots)
         if odometry is not None:
             for k, robot in enumerate(odometry.robot):
                 block = slice(STATES * robot, STATES * robot + STATES)
@@ -178,12 +150,7 @@ class ExtendedKalmanFilter:
         return GaussianBelief(time, moved, (covariance + covariance.T) / 2, belief.rejected)
 
     def update(self, belief: GaussianBelief, measurements: Sequence[Measurement] = ()) -> GaussianBelief:
-        """Return the belief after merging measurements taken at its time, record after record in the order given.
-
-        Raises:
-            OutOfOrder: A record is of another time than the belief.
-            InvalidInput: A record names an unknown robot or landmark, or is too large to be weighed.
-        """
+        """Return the belief after merging measurements taken at its time, record after record in the order given."""
         self.team.check_belief(belief, GaussianBelief, "mean")
         for record in self.team.checked(belief.time, measurements):
             belief = self._merged(belief, record)
@@ -191,49 +158,31 @@ class ExtendedKalmanFilter:
 
     def _driven(self, state: Array, odometry: Odometry, k: int) -> tuple[Array, Array, Array]:
         """Return a robot's state after the k-th motion, its Jacobian and the covariance of what the motion adds, (3, 3)."""
-        distance, turn = odometry.distance[k], odometry.turn[k]
+        distance, turn, F = odometry.distance[k], odometry.turn[k], np.eye(STATES)
         way = state[2] + turn / 2
         along, across = np.array([np.cos(way), np.sin(way)]), np.array([-np.sin(way), np.cos(way)])
-        F = np.eye(STATES)
         F[:2, 2] = distance * across
         # Columns: errors of distance, of turn (half of which bends the way), of direction, and slip on both axes.
         G = np.zeros((STATES, 5))
         G[:2, 0], G[:2, 1], G[:2, 2], G[:2, 3:] = along, distance / 2 * across, distance * across, np.eye(2)
         G[2, 1] = 1
-        noise = self.noise
-        deviations = np.array(
-            [
-                noise.distance * odometry.distance_bound[k],
-                noise.turn * odometry.turn_bound[k],
-                noise.direction * odometry.direction_bound[k],
-                noise.slip * odometry.slip_bound[k],
-                noise.slip * odometry.slip_bound[k],
-            ]
-        )
-        spread = G * deviations
+        errors = ("distance", "turn", "direction", "slip", "slip")
+        spread = G * [getattr(self.noise, name) * getattr(odometry, f"{name}_bound")[k] for name in errors]
         return state + np.append(distance * along, turn), F, spread @ spread.T
 
     @QUIET
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
         if self.gate is not None:
-            kept = self._passes(belief, innovation, H, variance, self.gate)
+            kept = _passes(belief, innovation, H, variance, self.gate)
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
-        rejected = belief.rejected + len(record.robot) - len(innovation)
-        P = belief.covariance
-        S = H @ P @ H.T + np.diag(variance)
-        K = _solved(S, H @ P).T
+        rejected, P = belief.rejected + len(record.robot) - len(innovation), belief.covariance
+        K = _solved(H @ P @ H.T + np.diag(variance), H @ P).T
         mean = belief.mean + (K @ innovation).reshape(-1, STATES)
         mean[:, 2] = wrap(mean[:, 2])
         keep = np.eye(len(P)) - K @ H
         covariance = keep @ P @ keep.T + (K * variance) @ K.T  # Joseph's form: stays positive
         return GaussianBelief(belief.time, mean, (covariance + covariance.T) / 2, rejected)
-
-    def _passes(self, belief: GaussianBelief, innovation: Array, H: Array, variance: Array, gate: float) -> Mask:
-        """Return (k,) whether the probability of an innovation no larger is within the gate."""
-        spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
-        sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
-        return np.array([erfc(size) for size in sizes]) >= 1 - gate
 
     def _linearised(self, belief: GaussianBelief, record: Measurement) -> tuple[Array, Array, Array]:
         """Return innovations (k,), Jacobian (k, 3n) and variances (k,) of a record at the mean."""
@@ -253,20 +202,21 @@ class ExtendedKalmanFilter:
             innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - belief.mean[robot, 2]))
             variance = (self.noise.bearing * record.bound) ** 2
         else:
-            slope, innovation, variance = towards, record.range - distance, self._range_variance(record, distance)
-        self._spread(H, rows, robot, -slope)
+            slope, innovation = towards, record.range - distance
+            # At the predicted distances: at the measured ones, short readings would weigh more.
+            variance = (self.noise.range * (record.bound + record.relative_bound * distance)) ** 2
         moving = np.flatnonzero(record.target < self.team.robots)
-        self._spread(H, moving, record.target[moving], slope[moving])
+        for axis in range(2):
+            H[rows, STATES * robot + axis] -= slope[:, axis]
+            H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
 
-    def _range_variance(self, record: Range, distance: Array) -> Array:
-        """Return variances (k,) at the predicted distances (k,): at the measured ones, short readings would weigh more."""
-        return np.asarray((self.noise.range * (record.bound + record.relative_bound * distance)) ** 2)
 
-    @staticmethod
-    def _spread(H: Array, rows: Integers, robot: Integers, slope: Array) -> None:
-        for axis in range(2):
-            H[rows, STATES * robot + axis] += slope[:, axis]
+def _passes(belief: GaussianBelief, innovation: Array, H: Array, variance: Array, gate: float) -> Mask:
+    """Return (k,) whether the probability of an innovation no larger is within the gate."""
+    spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
+    sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
+    return np.array([erfc(size) for size in sizes]) >= 1 - gate
 
 
 def _solved(S: Array, right: Array) -> Array:

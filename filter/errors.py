@@ -36,8 +36,7 @@ class InvalidInput(CorralError, ValueError):
 
     def __init__(self, expected: str, came: Any) -> None:
         super().__init__(f"expected {expected}; came {came}")
-        self.expected = expected
-        self.came = came
+        self.expected, self.came = expected, came
 
 
 class OutOfRange(InvalidInput, IndexError):
@@ -53,11 +52,9 @@ class OutOfOrder(CorralError, ValueError):
     """
 
     def __init__(self, what: str, time: float, belief_time: float) -> None:
-        earlier = time < belief_time
-        remedy = "it comes too late to be merged" if earlier else f"predict to {time!r} s first"
+        remedy = "it comes too late to be merged" if time < belief_time else f"predict to {time!r} s first"
         super().__init__(f"{what} at {time!r} s, but the belief is at {belief_time!r} s: {remedy}")
-        self.time = time
-        self.belief_time = belief_time
+        self.time, self.belief_time = time, belief_time
 
 
 class Inconsistent(CorralError):
@@ -68,8 +65,7 @@ class Inconsistent(CorralError):
     """
 
     def __init__(self, what: str, sources: Sequence[Any]) -> None:
-        named = "; ".join(map(str, sources))
-        super().__init__(f"{what}: no configuration satisfies all of: {named}")
+        super().__init__(f"{what}: no configuration satisfies all of: {'; '.join(map(str, sources))}")
         self.sources = tuple(sources)
 
 

@@ -1,16 +1,19 @@
-"""The loop: a filter follows frames, one after the other. Every filter with start, predict and update can."""
+"""Filters follow what comes: frames, one after the other, and late measurements, up to a fixed lag. Any filter can."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
-from filter.arrays import function, instance, number, one_by_one
+from filter.arrays import Checked, checked, function, instance, number, one_by_one
 from filter.frame import Frame
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Measurement, Odometry
+from filter.measurements import Measurement, Odometry, measurements_of
+
+MotionBetween = Callable[[float, float], Odometry | None]  # from one time to another
 
 
 class Timed(Protocol):
@@ -26,22 +29,35 @@ AnyBelief = TypeVar("AnyBelief", bound=Timed)
 
 @runtime_checkable
 class Filter(Protocol[AnyBelief]):
-    """What every filter can do: a belief goes in and a new belief comes out."""
+    """What every filter can do: a belief goes in, stays as it is, and a new belief comes out."""
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> AnyBelief:
         """Return the belief before any measurement.
 
         Args:
             time: When [s].
-            positions: (n) a polygon around each robot.
+            positions: (n) a polygon around each robot; a point anchors it.
             headings: (n) arcs around the headings, or None when nothing is known.
+
+        Raises:
+            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, or a set is empty.
         """
 
     def predict(self, belief: AnyBelief, time: float, odometry: Odometry | None = None) -> AnyBelief:
-        """Return the belief at a later time [s]."""
+        """Return the belief at a later time [s], after the robots have moved, those without odometry within the team's limits.
+
+        Raises:
+            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
+            InvalidInput: The odometry ends at another time, or names an unknown robot.
+        """
 
     def update(self, belief: AnyBelief, measurements: Sequence[Measurement] = ()) -> AnyBelief:
-        """Return the belief after measurements of its time."""
+        """Return the belief after measurements of its time.
+
+        Raises:
+            OutOfOrder: A record is of another time than the belief.
+            InvalidInput: A record names an unknown robot or landmark.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +94,9 @@ def follow(
         InvalidInput: Something is no filter, no belief, no frame or no clock.
         CorralError: What the filter raises, such as `OutOfOrder` for a frame that is earlier than the belief.
     """
-    check_filter(filter_)
-    check_time(belief)
-    now = _no_clock if clock is None else clock
-    function("clock", now)
+    _filter("a filter", filter_)
+    _time_of(belief)
+    now = (lambda: 0.0) if clock is None else function("clock", clock)
     return _steps(filter_, belief, one_by_one("a sequence of frames", frames), now)
 
 
@@ -97,16 +112,93 @@ def _steps(
         yield Step(frame, predicted, belief, now() - began)
 
 
-def check_filter(filter_: object) -> None:
-    """Raise `InvalidInput` when it is no filter, as a class of filters is none."""
-    for name in ("predict", "update"):
-        function(f"a filter with {name}", None if isinstance(filter_, type) else getattr(filter_, name, None))
+def _filter(name: str, value: Any) -> Any:
+    """Return a filter: no class of filters is one."""
+    for can in ("predict", "update"):
+        function(f"{name} with {can}", None if isinstance(value, type) else getattr(value, can, None))
+    return value
 
 
-def check_time(belief: object) -> None:
-    """Raise `InvalidInput` when it is no belief: it has no time."""
-    number("time of a belief [s]", getattr(belief, "time", None))
+def _time_of(belief: object) -> float:
+    return number("time of a belief [s]", getattr(belief, "time", None))
 
 
-def _no_clock() -> float:
-    return 0.0
+@dataclass(frozen=True, eq=False)
+class Lagged(Generic[AnyBelief]):
+    """What is known now, and the steps of the last seconds that it came from.
+
+    Attributes:
+        steps: From the oldest that is kept to the newest; the frame of each has the measurements that have come so far.
+        late: How many measurements came after newer ones and were merged all the same.
+        refused: How many came too late.
+    """
+
+    steps: tuple[Step[AnyBelief], ...]
+    late: int = 0
+    refused: int = 0
+
+    @property
+    def belief(self) -> AnyBelief:
+        """What is known now."""
+        return self.steps[-1].belief
+
+
+@dataclass(frozen=True, eq=False)
+class FixedLag(Checked, Generic[AnyBelief]):
+    """Merges measurements that are late by at most a fixed lag as if they had come in order; later ones are refused.
+
+    The result is that of the inner filter with the same measurements in order, bit for bit, if their order within one instant
+    makes no difference to it.
+
+    Attributes:
+        inner: The filter that does the work.
+        motion: The robots' motion from one time to another, both not before the oldest step; None where nothing is known.
+        lag: How late a measurement may be, from 0 on [s].
+
+    Raises:
+        InvalidInput: The lag is negative or not finite, the inner filter is none, or the motion is no function.
+    """
+
+    inner: Filter[AnyBelief] = field(metadata=checked(_filter, "a filter"))
+    motion: MotionBetween = field(metadata=checked(function, "motion"))
+    lag: float = field(default=1.0, metadata=checked(number, "lag [s]", 0))
+
+    def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
+        """Return a belief of the inner filter to which nothing has happened yet; `InvalidInput` if it has no time."""
+        return Lagged((Step(Frame(_time_of(belief)), belief, belief, 0.0),))
+
+    def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
+        """Return what is known after measurements of any times, in any order; what was known stays as it is.
+
+        How late they are is counted from the newest that came before.
+
+        Raises:
+            InvalidInput: Something is no record.
+            CorralError: What the inner filter raises; nothing has changed then.
+        """
+        instance("what is known (see begin)", lagged, Lagged)
+        newest, records = lagged.belief.time, measurements_of(measurements)
+        oldest = max(lagged.steps[0].belief.time, newest - self.lag)
+        kept = [record for record in records if record.time >= oldest]
+        refused = _count(records) - _count(kept)
+        late = _count([record for record in kept if record.time < newest])
+        steps = self._redone(lagged.steps, kept) if kept else lagged.steps
+        # The last one before the lag stays, too: a late one would begin with it.
+        older = sum(step.belief.time < steps[-1].belief.time - self.lag for step in steps)
+        return Lagged(steps[max(0, older - 1) :], lagged.late + late, lagged.refused + refused)
+
+    def _redone(self, steps: tuple[Step[AnyBelief], ...], records: list[Measurement]) -> tuple[Step[AnyBelief], ...]:
+        """Return the steps with records put in where they belong, and everything since then done again."""
+        earliest = min(record.time for record in records)
+        first = max(1, sum(step.belief.time < earliest for step in steps))
+        at = {step.belief.time: step.frame.measurements for step in steps[first:]}
+        for record in records:
+            at[record.time] = (*at.get(record.time, ()), record)
+        begin, frames = steps[first - 1].belief, []
+        for before, time in pairwise([begin.time, *sorted(at)]):
+            frames.append(Frame(time, self.motion(before, time) if before < time else None, at[time]))
+        return (*steps[:first], *follow(self.inner, begin, frames))
+
+
+def _count(records: Sequence[Measurement]) -> int:
+    return sum(len(record.robot) for record in records)

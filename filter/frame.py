@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from filter.arrays import Array, Floats, floats, instance, number, read_only, settle
+from filter.arrays import Array, Checked, Floats, checked, floats, instance, settle
 from filter.errors import InvalidInput
-from filter.measurements import Measurement, Odometry, measurements_of
+from filter.measurements import TIME, Measurement, Odometry, measurements_of
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class Truth(Checked):
     """Where the robots are.
 
     Attributes:
@@ -23,22 +23,22 @@ class Truth:
         InvalidInput: They are no numbers, or not as many.
     """
 
-    positions: Array
-    headings: Array
+    positions: Array = field(metadata=checked(floats, "positions [m]"))
+    headings: Array = field(metadata=checked(floats, "headings [rad]"))
 
     if TYPE_CHECKING:  # sequences are taken, arrays are kept
 
         def __init__(self, positions: Floats, headings: Floats) -> None: ...
 
     def __post_init__(self) -> None:
-        positions, headings = floats("positions [m]", self.positions), floats("headings [rad]", self.headings)
-        if headings.ndim != 1 or positions.shape != (len(headings), 2):
-            raise InvalidInput("positions (n, 2) and headings (n,)", f"shapes {positions.shape} and {headings.shape}")
-        settle(self, positions=read_only(positions), headings=read_only(headings))
+        super().__post_init__()
+        positions, headings = self.positions.shape, self.headings.shape
+        if len(headings) != 1 or positions != (*headings, 2):
+            raise InvalidInput("positions (n, 2) and headings (n,)", f"shapes {positions} and {headings}")
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Frame(Checked):
     """One instant of an episode or a log.
 
     Attributes:
@@ -51,10 +51,10 @@ class Frame:
         InvalidInput: The time is no number, or something is of another type.
     """
 
-    time: float
-    odometry: Odometry | None = None
+    time: float = field(metadata=TIME)
+    odometry: Odometry | None = field(default=None, metadata=checked(instance, "odometry", Odometry, type(None)))
     measurements: tuple[Measurement, ...] = ()
-    truth: Truth | None = None
+    truth: Truth | None = field(default=None, metadata=checked(instance, "truth", Truth, type(None)))
 
     if TYPE_CHECKING:  # whatever holds records is taken, a tuple is kept
 
@@ -67,6 +67,5 @@ class Frame:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        instance("odometry", self.odometry, Odometry, type(None))
-        instance("truth", self.truth, Truth, type(None))
-        settle(self, time=number("time [s]", self.time), measurements=measurements_of(self.measurements))
+        super().__post_init__()
+        settle(self, measurements=measurements_of(self.measurements))

@@ -1,7 +1,7 @@
 """What sensors say: records with a value and a bound, one or many at a time.
 
-A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array,
-and numbers are repeated to the length of the longest. All are copied: times become floats, columns arrays of floats or of
+A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array, and
+numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats or of
 whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not.
 
 Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
@@ -11,36 +11,50 @@ Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landm
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, finite, number, read_only, settle, several, whole
+from filter.arrays import Array, Checked, Floats, Integers, checked, finite, number, read_only, settle, several, whole
 from filter.errors import InvalidInput
 
-
-def _columns(record: Any, **columns: Any) -> None:
-    """Set the record's fields to read-only (k,) arrays of one length."""
-    try:
-        arrays = np.broadcast_arrays(*(np.atleast_1d(column) for column in columns.values()))
-    except ValueError:
-        lengths = {name: np.size(column) for name, column in columns.items()}
-        raise InvalidInput(f"{type(record).__name__}: columns of one length", lengths) from None
-    if arrays[0].ndim != 1:
-        raise InvalidInput(f"{type(record).__name__}: numbers or (k,) columns", f"shape {arrays[0].shape}")
-    settle(record, **dict(zip(columns, map(read_only, arrays), strict=True)))
+TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
+BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
 
 
-def _not_itself(record: Bearing | Range) -> None:
-    itself = record.robot == record.target
-    if itself.any():
-        name = type(record).__name__.lower()
-        raise InvalidInput(f"{name}: a target other than the robot that measures", f"robot {record.robot[itself][0]} on itself")
+class _Record(Checked):
+    """Base of records: all columns get the length of the longest."""
+
+    def __post_init__(self) -> None:
+        kind, values = type(self).__name__, self._passed()
+        columns = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+        try:
+            arrays = np.broadcast_arrays(*map(np.atleast_1d, columns.values()))
+        except ValueError:
+            lengths = {name: column.size for name, column in columns.items()}
+            raise InvalidInput(f"{kind}: columns of one length", lengths) from None
+        if arrays[0].ndim != 1:
+            raise InvalidInput(f"{kind}: numbers or (k,) columns", f"shape {arrays[0].shape}")
+        settle(self, **values | dict(zip(columns, map(read_only, arrays), strict=True)))
+
+
+class _Sighting(_Record):
+    """Base of records of targets: none is the robot that measures."""
+
+    robot: Integers
+    target: Integers
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        itself = self.robot[self.robot == self.target]
+        if len(itself):
+            name = type(self).__name__.lower()
+            raise InvalidInput(f"{name}: a target other than the robot that measures", f"robot {itself[0]} on itself")
 
 
 @dataclass(frozen=True, eq=False)
-class Compass:
+class Compass(_Record):
     """Headings in the world frame, by compass.
 
     Attributes:
@@ -53,27 +67,18 @@ class Compass:
         InvalidInput: A value is not finite or out of its range.
     """
 
-    time: float
-    robot: Integers
-    heading: Array
-    bound: Array
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    heading: Array = field(metadata=checked(finite, "heading [rad]"))
+    bound: Array = field(metadata=checked(finite, "compass bound [rad]", 0, np.pi))
 
     if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
 
         def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats) -> None: ...
 
-    def __post_init__(self) -> None:
-        settle(self, time=number("time [s]", self.time))
-        _columns(
-            self,
-            robot=whole("robot", self.robot),
-            heading=finite("heading [rad]", self.heading),
-            bound=finite("compass bound [rad]", self.bound, 0, np.pi),
-        )
-
 
 @dataclass(frozen=True, eq=False)
-class Bearing:
+class Bearing(_Sighting):
     """Directions to targets in the measuring robot's own frame.
 
     Attributes:
@@ -87,30 +92,19 @@ class Bearing:
         InvalidInput: A value is not finite or out of its range, or a robot measures itself.
     """
 
-    time: float
-    robot: Integers
-    target: Integers
-    bearing: Array
-    bound: Array
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    target: Integers = field(metadata=TARGET)
+    bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
+    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, BELOW_90_DEGREES))
 
-    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+    if TYPE_CHECKING:
 
         def __init__(self, time: float, robot: Floats, target: Floats, bearing: Floats, bound: Floats) -> None: ...
 
-    def __post_init__(self) -> None:
-        settle(self, time=number("time [s]", self.time))
-        _columns(
-            self,
-            robot=whole("robot", self.robot),
-            target=whole("target", self.target),
-            bearing=finite("bearing [rad]", self.bearing),
-            bound=finite("bearing bound [rad]", self.bound, 0, np.nextafter(np.pi / 2, 0)),
-        )
-        _not_itself(self)
-
 
 @dataclass(frozen=True, eq=False)
-class Range:
+class Range(_Sighting):
     """Distances to targets; the true distance d gives a value within d (1 +- relative_bound) +- bound.
 
     Attributes:
@@ -125,30 +119,18 @@ class Range:
         InvalidInput: A value is not finite or out of its range, or a robot measures itself.
     """
 
-    time: float
-    robot: Integers
-    target: Integers
-    range: Array
-    bound: Array
-    relative_bound: Array
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    target: Integers = field(metadata=TARGET)
+    range: Array = field(metadata=checked(finite, "range [m]", 0))
+    bound: Array = field(metadata=checked(finite, "range bound [m]", 0))
+    relative_bound: Array = field(metadata=checked(finite, "relative range bound", 0, BELOW_1))
 
-    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+    if TYPE_CHECKING:
 
         def __init__(
             self, time: float, robot: Floats, target: Floats, range: Floats, bound: Floats, relative_bound: Floats
         ) -> None: ...
-
-    def __post_init__(self) -> None:
-        settle(self, time=number("time [s]", self.time))
-        _columns(
-            self,
-            robot=whole("robot", self.robot),
-            target=whole("target", self.target),
-            range=finite("range [m]", self.range, 0),
-            bound=finite("range bound [m]", self.bound, 0),
-            relative_bound=finite("relative range bound", self.relative_bound, 0, np.nextafter(1.0, 0)),
-        )
-        _not_itself(self)
 
     def interval(self) -> tuple[Array, Array]:
         """Return the (k,) least and greatest true distances [m]; a lower end below 0 is 0."""
@@ -159,16 +141,12 @@ Measurement = Compass | Bearing | Range
 
 
 def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
-    """Return records of compass, bearing or range, from whatever holds them.
-
-    Raises:
-        InvalidInput: Something is no such record.
-    """
+    """Return records of compass, bearing or range, from whatever holds them; raises `InvalidInput` if something is none."""
     return several("records of compass, bearing or range", records, Compass, Bearing, Range)
 
 
 @dataclass(frozen=True, eq=False)
-class Odometry:
+class Odometry(_Record):
     """How robots moved between two instants, from wheel encoders or commands.
 
     The robot drove a path of signed length within `distance +- distance_bound` while it turned by `turn +- turn_bound`;
@@ -190,17 +168,17 @@ class Odometry:
         InvalidInput: A value is not finite or out of its range, time runs backwards, or a robot comes twice.
     """
 
-    start: float
-    time: float
-    robot: Integers
-    distance: Array
-    distance_bound: Array
-    turn: Array
-    turn_bound: Array
-    direction_bound: Array
-    slip_bound: Array
+    start: float = field(metadata=checked(number, "start [s]"))
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    distance: Array = field(metadata=checked(finite, "distance [m]"))
+    distance_bound: Array = field(metadata=checked(finite, "distance bound [m]", 0))
+    turn: Array = field(metadata=checked(finite, "turn [rad]"))
+    turn_bound: Array = field(metadata=checked(finite, "turn bound [rad]", 0))
+    direction_bound: Array = field(metadata=checked(finite, "direction bound [rad]", 0, BELOW_90_DEGREES))
+    slip_bound: Array = field(metadata=checked(finite, "slip bound [m]", 0))
 
-    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+    if TYPE_CHECKING:
 
         def __init__(
             self,
@@ -216,19 +194,9 @@ class Odometry:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        settle(self, start=number("start [s]", self.start), time=number("time [s]", self.time))
+        super().__post_init__()
         if self.time < self.start:
             raise InvalidInput(f"odometry that ends at its start or later, from {self.start!r} s on", f"{self.time!r} s")
-        _columns(
-            self,
-            robot=whole("robot", self.robot),
-            distance=finite("distance [m]", self.distance),
-            distance_bound=finite("distance bound [m]", self.distance_bound, 0),
-            turn=finite("turn [rad]", self.turn),
-            turn_bound=finite("turn bound [rad]", self.turn_bound, 0),
-            direction_bound=finite("direction bound [rad]", self.direction_bound, 0, np.nextafter(np.pi / 2, 0)),
-            slip_bound=finite("slip bound [m]", self.slip_bound, 0),
-        )
         if len(np.unique(self.robot)) < len(self.robot):
             raise InvalidInput("odometry: each robot at most once", f"robots {self.robot.tolist()}")
 
@@ -244,6 +212,6 @@ def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowe
     return np.maximum(least, lowest), np.maximum(greatest, lowest)
 
 
-def field_names(record: Measurement | Odometry) -> list[str]:
+def field_names(record: Any) -> list[str]:
     """Return the names of a record's columns, its times left out."""
-    return [field.name for field in fields(record) if field.name not in ("start", "time")]
+    return [each.name for each in fields(record) if each.name not in ("start", "time")]

@@ -12,14 +12,14 @@ from filter.arrays import (
     LARGEST,
     MOST_ROBOTS,
     Array,
+    Checked,
     Floats,
     Integers,
+    checked,
     finite,
     floats,
     instance,
     number,
-    read_only,
-    settle,
     several,
     shown,
     whole_number,
@@ -32,8 +32,23 @@ from filter.measurements import Bearing, Compass, Measurement, Odometry, Range, 
 ARENA = "(2, 2) lower corner below upper corner [m], infinite where it is open"
 
 
+def _places(name: str, values: Floats) -> Array:
+    landmarks = finite(name, values)
+    landmarks = landmarks if landmarks.size else np.zeros((0, 2))
+    if landmarks.ndim != 2 or landmarks.shape[1] != 2:
+        raise InvalidInput("landmarks as (l, 2) coordinates", f"shape {landmarks.shape}")
+    return landmarks
+
+
+def _box(name: str, values: Floats) -> Array:
+    arena = floats(name, values, ARENA)
+    if arena.shape != (2, 2) or not ((arena[0] <= np.minimum(arena[1], LARGEST)) & (arena[1] >= -LARGEST)).all():
+        raise InvalidInput(f"{name}: {ARENA}", shown(arena.tolist()))
+    return arena
+
+
 @dataclass(frozen=True, eq=False)
-class Team:
+class Team(Checked):
     """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ...
 
     Attributes:
@@ -47,11 +62,11 @@ class Team:
         InvalidInput: There is no robot, a value is not finite or out of its range, or the arena is empty.
     """
 
-    robots: int
-    landmarks: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    speed_limit: float = 1.0
-    turn_rate_limit: float = np.pi
-    arena: Array = field(default_factory=lambda: np.array([[-np.inf] * 2, [np.inf] * 2]))
+    robots: int = field(metadata=checked(whole_number, "number of robots", 1, MOST_ROBOTS))
+    landmarks: Array = field(default_factory=lambda: np.zeros((0, 2)), metadata=checked(_places, "landmark coordinates [m]"))
+    speed_limit: float = field(default=1.0, metadata=checked(number, "speed limit [m/s]", 0))
+    turn_rate_limit: float = field(default=np.pi, metadata=checked(number, "turn rate limit [rad/s]", 0))
+    arena: Array = field(default_factory=lambda: np.outer([-np.inf, np.inf], [1, 1]), metadata=checked(_box, "arena"))
 
     if TYPE_CHECKING:  # sequences are taken, arrays are kept
 
@@ -64,25 +79,6 @@ class Team:
             arena: Floats = ...,
         ) -> None: ...
 
-    def __post_init__(self) -> None:
-        landmarks = finite("landmark coordinates [m]", self.landmarks)
-        landmarks = landmarks if landmarks.size else np.zeros((0, 2))
-        if landmarks.ndim != 2 or landmarks.shape[1] != 2:
-            raise InvalidInput("landmarks as (l, 2) coordinates", f"shape {landmarks.shape}")
-        arena = floats("arena", self.arena, ARENA)
-        if arena.shape != (2, 2) or not (
-            (arena[0] <= arena[1]).all() and (arena[0] <= LARGEST).all() and (arena[1] >= -LARGEST).all()
-        ):
-            raise InvalidInput(f"arena: {ARENA}", shown(arena.tolist()))
-        settle(
-            self,
-            robots=whole_number("number of robots", self.robots, 1, MOST_ROBOTS),
-            landmarks=read_only(landmarks),
-            speed_limit=number("speed limit [m/s]", self.speed_limit, 0),
-            turn_rate_limit=number("turn rate limit [rad/s]", self.turn_rate_limit, 0),
-            arena=read_only(arena),
-        )
-
     def check(self, record: Measurement | Odometry) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot or a target that the team does not have."""
         instance("a record", record, Compass, Bearing, Range, Odometry)
@@ -93,15 +89,7 @@ class Team:
     def initial(
         self, positions: Iterable[Polygon], headings: AngularIntervals | None
     ) -> tuple[tuple[Polygon, ...], AngularIntervals]:
-        """Return (n) polygons and arcs around the robots' first positions and headings.
-
-        Args:
-            positions: (n) a polygon around each robot.
-            headings: (n) arcs, or None when nothing is known: whole circles.
-
-        Raises:
-            InvalidInput: Something is no polygon, the numbers of sets and robots differ, or an arc is empty.
-        """
+        """Return (n) polygons and arcs (None: whole circles); `InvalidInput` unless there is one for each robot, none empty."""
         expected = f"one initial polygon for each of {self.robots} robots"
         polygons = several(f"a sequence with {expected}", positions, Polygon)
         if len(polygons) != self.robots:
@@ -113,12 +101,7 @@ class Team:
         return polygons, known
 
     def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> float:
-        """Check a prediction from one time to another; return the latter as a float [s].
-
-        Raises:
-            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, or names an unknown robot; or nobody knows how far robots went.
-        """
+        """Return the time to predict as a float [s]; raises what `Filter.predict` does, and `InvalidInput` if it is too far."""
         before, now = number("time of the belief [s]", belief_time), number("time [s]", time)
         if now < before:
             raise OutOfOrder("a prediction", now, before)
@@ -134,12 +117,7 @@ class Team:
         return now
 
     def checked(self, belief_time: float, measurements: Iterable[Measurement]) -> tuple[Measurement, ...]:
-        """Return measurements that are to be merged at one time, if they can be.
-
-        Raises:
-            OutOfOrder: A record is of another time.
-            InvalidInput: Something is no record, or a record names an unknown robot or landmark.
-        """
+        """Return measurements that are to be merged at one time; raises what `Filter.update` does."""
         now, records = number("time of the belief [s]", belief_time), measurements_of(measurements)
         for record in records:
             self.check(record)
@@ -163,10 +141,6 @@ class Team:
             raise InvalidInput(f"a {role} among {known}", f"{role} {unknown[0]}")
 
     def name(self, body: int) -> str:
-        """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks.
-
-        Raises:
-            InvalidInput: There is no such body.
-        """
+        """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks; `InvalidInput` if there is none."""
         known = whole_number("a body", body, 0, self.robots + len(self.landmarks) - 1)
         return f"r{known}" if known < self.robots else f"l{known - self.robots}"

@@ -28,15 +28,11 @@ def warm_up() -> int:
 
     To compile takes a minute or so, to load what is kept on disk a second or two. Afterwards no filter has to do either.
     """
-    before = _made()
-    team = Team(len(PLACES), LANDMARKS, speed_limit=1.0, turn_rate_limit=1.0, arena=np.array([[-9.0, -9.0], [9.0, 9.0]]))
-    for filter_ in (
-        SetMembershipFilter(team, policy="reject"),
-        SetMembershipFilter.light(team, scope=Window(hops=1), policy="reject"),
-        SetMembershipFilter(team, exact=False, policy="reject"),
-        RobustFilter(team),
-    ):
-        _follow(filter_)
+    before, team = _made(), Team(len(PLACES), LANDMARKS, 1.0, 1.0, [[-9.0, -9.0], [9.0, 9.0]])
+    _follow(SetMembershipFilter(team, policy="reject"))
+    _follow(SetMembershipFilter.light(team, scope=Window(hops=1), policy="reject"))
+    _follow(SetMembershipFilter(team, exact=False, policy="reject"))
+    _follow(RobustFilter(team))
     return _made() - before
 
 
@@ -46,10 +42,8 @@ def _made() -> int:
 
 def _follow(filter_: Any) -> None:
     """Let a filter follow the scene, from known headings and from unknown ones, and look at its regions."""
-    boxes, arcs = (
-        [Polygon.box(place - 1, place + 1) for place in PLACES],
-        AngularIntervals(HEADINGS, np.full(len(PLACES), BOUND)),
-    )
+    boxes = [Polygon.box(place - 1, place + 1) for place in PLACES]
+    arcs = AngularIntervals(HEADINGS, np.full(len(PLACES), BOUND))
     arcs.intersection(arcs)
     for headings in (arcs, None):
         belief = filter_.start(0.0, boxes, headings)
@@ -66,12 +60,10 @@ def _scene() -> Iterator[tuple[Odometry, list[Measurement]]]:
     ways = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)], axis=1)
     for step in range(1, STEPS + 1):
         time, last = step * DURATION, step == STEPS
-        apart = np.concatenate([PLACES + step * DRIVEN * ways, LANDMARKS])[whom] - (PLACES + step * DRIVEN * ways)[who]
+        places = PLACES + step * DRIVEN * ways
+        apart = np.concatenate([places, LANDMARKS])[whom] - places[who]
         bearings, ranges = np.arctan2(apart[:, 1], apart[:, 0]) - HEADINGS[who], np.hypot(*apart.T)
         ranges[-1] += LIE * last
-        driving = np.arange(robots - last)
-        bound, sure, straight = np.full(len(driving), BOUND), np.full(len(who), BOUND), np.zeros(len(driving))
-        records: list[Measurement] = [] if last else [Compass(time, np.arange(robots), HEADINGS, np.full(robots, BOUND))]
-        records += [Bearing(time, who, whom, bearings, sure), Range(time, who, whom, ranges, sure, np.zeros(len(who)))]
-        path = np.full(len(driving), DRIVEN)
-        yield Odometry(time - DURATION, time, driving, path, bound, straight, bound, bound, bound), records
+        records: list[Measurement] = [] if last else [Compass(time, np.arange(robots), HEADINGS, BOUND)]
+        records += [Bearing(time, who, whom, bearings, BOUND), Range(time, who, whom, ranges, BOUND, 0)]
+        yield Odometry(time - DURATION, time, np.arange(robots - last), DRIVEN, BOUND, 0, BOUND, BOUND, BOUND), records

@@ -13,12 +13,9 @@ from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
 from filter.sets.belief import Belief
 
-# Edges whose normals are within this of the separating line's direction carry it alone [rad].
-SAME_DIRECTION = 1e-6
-# A covariance whose halves differ by more than this share is none.
-SYMMETRIC = 1e-9
-# An ellipse that is thinner than this counts as one that is just so thin, as a point does [m].
-THINNEST = 1e-100
+SAME_DIRECTION = 1e-6  # an edge whose normal is within this of the separating line's carries it alone [rad]
+SYMMETRIC = 1e-9  # a covariance whose halves differ by more than this share is none
+THINNEST = 1e-100  # an ellipse that is thinner counts as just so thin, as a point does [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +60,8 @@ def watch(
         probability: What the ellipses are said to contain, in [0, 1).
 
     Raises:
-        InvalidInput: It is no belief of the set-membership filter's, a shape does not fit it, a position is infinite, a
-            covariance is not symmetric and positive definite, or the probability is out of its range.
+        InvalidInput: It is no `Belief`, a shape does not fit it, a position is infinite, a covariance is not symmetric and
+            positive definite, or the probability is out of its range.
     """
     instance("belief", belief, Belief)
     robots, points = len(belief.regions), floats("positions [m]", positions)
@@ -98,10 +95,8 @@ def _alarm(belief: Belief, robot: int, point: Array, root: Array | None) -> Alar
         normal = _separating_normal(outer, point, np.eye(2) if ellipse is None else ellipse)
         if normal is None:
             continue
-        offset = float(outer.support(normal[None])[0])
-        reach = 0.0 if ellipse is None else float(np.hypot(*(normal @ ellipse)))
-        doubt = 16 * EPSILON * (float(np.abs(point).sum()) + reach)
-        distance = float(normal @ point) - reach - offset - doubt
+        offset, reach = float(outer.support(normal[None])[0]), 0.0 if ellipse is None else float(np.hypot(*(normal @ ellipse)))
+        distance = float(normal @ point) - reach - offset - 16 * EPSILON * (float(np.abs(point).sum()) + reach)
         if distance > 0:
             edges = _edges_behind(outer, normal)
             sources = dict.fromkeys(source for edge in edges for source in belief.causes(robot, edge))
@@ -110,10 +105,7 @@ def _alarm(belief: Belief, robot: int, point: Array, root: Array | None) -> Alar
 
 
 def _separating_normal(polygon: Polygon, point: Array, root: Array) -> Array | None:
-    """Return the normal of the line that keeps the polygon farthest from a point, in units of an ellipse; None if inside.
-
-    It is a candidate: whether the line separates is judged afterwards.
-    """
+    """Return a candidate: the normal of the line that keeps the polygon farthest from a point, in units of an ellipse."""
     with np.errstate(over="ignore", invalid="ignore"):
         whitening = np.linalg.inv(root + THINNEST * np.eye(2))
         corners = (polygon.vertices - point) @ whitening.T
@@ -121,8 +113,7 @@ def _separating_normal(polygon: Polygon, point: Array, root: Array) -> Array | N
         lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
         along = np.clip(-(corners * edges).sum(axis=1) / lengths, 0, 1)
         nearest = corners + along[:, None] * edges
-        closest = nearest[np.argmin((nearest**2).sum(axis=1))]
-        normal = -closest @ whitening
+        normal = -nearest[np.argmin((nearest**2).sum(axis=1))] @ whitening
         length = float(np.hypot(*normal))
     return normal / length if 0 < length < np.inf and not polygon.contains(point) else None
 

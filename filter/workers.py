@@ -23,14 +23,10 @@ os.register_at_fork(after_in_child=_AT_WORK.clear)
 
 
 def spread(work: Callable[[Item], Result], items: Sequence[Item], threads: int) -> list[Result]:
-    """Return the work on each of the items, in their order, done by so many threads at a time.
+    """Return the work on each of the items, in their order, done by so many threads at a time; the caller only waits.
 
-    An interrupt leaves at once: the threads end by themselves, each after the item that it is at.
-
-    Args:
-        work: May raise; what is raised first is raised here, and what is not begun then is not done.
-        items: What to work on.
-        threads: How many, from 1 on; the caller only waits.
+    What it raises first is raised here; what is not begun then is not done. An interrupt leaves at once: the threads end by
+    themselves, each after the item that it is at.
     """
     todo, done = SimpleQueue[tuple[int, Item]](), SimpleQueue[tuple[int, Any, BaseException | None]]()
     for numbered in enumerate(items):

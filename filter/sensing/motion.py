@@ -53,7 +53,7 @@ class Displacements(Frozen):
     @property
     def normals(self) -> Array:
         """(n, CORNERS, 2) outward normals of the edges of the hulls of the vertices; NaN where there are fewer."""
-        return np.asarray(_normals(self.vertices))
+        return _normals(self.vertices)
 
 
 @compiled
@@ -89,26 +89,26 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     A robot without odometry can have gone anywhere within its speed limit.
 
     Algorithm:
-        Path length s in [least, greatest], direction within d of phi = heading + turn / 2. The robot's heading deviates
-        from phi's true value by half the turn and the direction bound at most, so the chord is at least
-        least cos(that) long. Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement
-        is longer than the path, which tells where the sector is wide.
+        Path length s in [least, greatest], direction within d of phi = heading + turn / 2. The robot's heading deviates from
+        phi's true value by half the turn and the direction bound at most, so the chord is at least least cos(that) long.
+        Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement is longer than the path,
+        which tells where the sector is wide.
     """
     vertices = np.zeros((team.robots, CORNERS, 2))
     reach, slip = np.zeros(team.robots), np.full(team.robots, team.speed_limit * duration)
     if odometry is None:
         return Displacements(vertices, reach, slip)
     direction = headings[odometry.robot].turned(odometry.turn / 2, odometry.turn_bound / 2 + odometry.direction_bound)
-    bend = np.minimum(np.pi / 2, (np.abs(odometry.turn) + odometry.turn_bound) / 2 + odometry.direction_bound)
-    chord, back = np.cos(bend), direction.turned(np.pi)
+    most_turned, back = np.abs(odometry.turn) + odometry.turn_bound, direction.turned(np.pi)
+    chord = np.cos(np.minimum(np.pi / 2, most_turned / 2 + odometry.direction_bound))
     least, greatest = odometry.distance - odometry.distance_bound, odometry.distance + odometry.distance_bound
     ahead = _trapezoids(np.maximum(least, 0) * chord, np.maximum(greatest, 0), direction.centre, direction.bound)
     behind = _trapezoids(np.maximum(-greatest, 0) * chord, np.maximum(-least, 0), back.centre, back.bound)
     ahead = np.where((greatest < 0)[:, None, None], behind, ahead)
     behind = np.where((least > 0)[:, None, None], ahead, behind)
     farthest = np.maximum(np.abs(least), np.abs(greatest))
-    full_circle = np.abs(odometry.turn) + odometry.turn_bound >= 2 * np.pi  # the way back can be the shortest
-    anywhere = ((direction.bound > WIDEST) | full_circle)[:, None, None]
+    # After a full circle the way back can be the shortest.
+    anywhere = ((direction.bound > WIDEST) | (most_turned >= 2 * np.pi))[:, None, None]
     square = farthest[:, None, None] * np.tile([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]], (2, 1))
     vertices[odometry.robot] = np.where(anywhere, square, np.concatenate([ahead, behind], axis=1))
     reach[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound

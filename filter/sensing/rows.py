@@ -6,16 +6,20 @@ its lower range row lacks a minus (as printed it says nothing).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.geometry.angles import AngularIntervals
+from filter.errors import Inconsistent
+from filter.geometry.angles import AngularIntervals, intersection
 from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Compass, Range
+from filter.linear.sources import Source, Sources
+from filter.measurements import Bearing, Compass, Measurement, Range
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of area at most.
 TANGENT_SPACING = np.pi / 6
@@ -83,28 +87,16 @@ def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, 
 
 
 def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constraints:
-    """Return rows on bodies as rows on robots: landmarks, numbered from n on, are put in, and all rounding is covered.
-
-    Args:
-        rows: Rows just built, all of them on pairs.
-        polytope: Where the n robots can be.
-        landmarks: (l, 2) known positions [m].
-    """
+    """Return rows just built, on pairs of bodies, as rows on robots: landmarks (l, 2) are put in, all rounding is covered."""
     robots = len(polytope.lower)
     lower, upper = np.concatenate([polytope.lower, landmarks]), np.concatenate([polytope.upper, landmarks])
     outward = rows.shifted(rounding_of_rows(rows, lower, upper))
     fixed = outward.j >= robots
     where = np.concatenate([np.zeros((robots, 2)), landmarks])[outward.j]
-    shift = -(outward.normal * where).sum(axis=1)
-    rounding = 4 * EPSILON * np.abs(outward.normal * where).sum(axis=1)
-    moved = outward.shifted(shift + rounding)
-    return Constraints(
-        np.where(fixed, WORLD, moved.i),
-        np.where(fixed, moved.i, moved.j),
-        np.where(fixed[:, None], -moved.normal, moved.normal),
-        moved.offset,
-        moved.source,
-    )
+    along = outward.normal * where
+    moved = outward.shifted(4 * EPSILON * np.abs(along).sum(axis=1) - along.sum(axis=1))
+    i, j, normal = np.where(fixed, WORLD, moved.i), np.where(fixed, moved.i, moved.j), moved.normal
+    return Constraints(i, j, np.where(fixed[:, None], -normal, normal), moved.offset, moved.source)
 
 
 def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, target: Integers) -> AngularIntervals:
@@ -114,9 +106,62 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
     """
     robots, first, second = len(polytope.lower), np.minimum(robot, target), np.maximum(robot, target)
     pairs, which = np.unique(first * (robots + len(landmarks)) + second, return_inverse=True)
-    i, j = pairs // (robots + len(landmarks)), pairs % (robots + len(landmarks))
+    i, j = np.divmod(pairs, robots + len(landmarks))
     fixed, mutual = np.flatnonzero(j >= robots), np.flatnonzero(j < robots)
-    spans = AngularIntervals.circles(len(pairs))
     seen = polytope.of_robots(i[fixed]).polygons.mirrored(landmarks[j[fixed] - robots]).spans()
-    spans = spans.replaced(fixed, seen).replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
+    spans = AngularIntervals.circles(len(pairs)).replaced(fixed, seen)
+    spans = spans.replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
     return spans[which].turned(np.where(robot > target, np.pi, 0.0))
+
+
+def narrowed_headings(
+    headings: AngularIntervals, polytope: Polytope, measurements: Sequence[Measurement], landmarks: Array
+) -> AngularIntervals:
+    """Return the (n) headings after compasses, and bearings to targets whose direction the polytope roughly tells [rad].
+
+    Raises:
+        Inconsistent: What is known and measured of a heading is proved to have nothing in common.
+    """
+    arcs, sources = [AngularIntervals(np.zeros(0), np.zeros(0))], Sources()
+    for record in measurements:
+        if isinstance(record, Compass):
+            arcs.append(heading_arcs_of_compass(record))
+            sources, _ = sources.extended("compass", record.time, record.robot)
+        elif isinstance(record, Bearing):
+            spans = spans_of_targets(polytope, landmarks, record.robot, record.target)
+            arcs.append(heading_arcs_of_bearing(record, spans))
+            sources, _ = sources.extended("bearing", record.time, record.robot, record.target)
+    centre, bound = np.concatenate([each.centre for each in arcs]), np.concatenate([each.bound for each in arcs])
+    return _narrowed(headings, AngularIntervals(centre, bound), sources)
+
+
+def _narrowed(headings: AngularIntervals, arcs: AngularIntervals, sources: Sources) -> AngularIntervals:
+    """Intersect headings with arcs, the narrowest first, so that the order they come in makes no difference."""
+    order = np.lexsort((arcs.centre, arcs.bound))
+    centre, bound = headings.centre.copy(), headings.bound.copy()
+    last = _intersect((centre, bound), (arcs.centre, arcs.bound), sources.robot, order)
+    if last >= 0:
+        raise _conflict(headings, arcs, sources, order[:last], order[last])
+    return AngularIntervals(centre, bound)
+
+
+@compiled
+def _intersect(known: tuple[Array, Array], arcs: tuple[Array, Array], robot: Integers, order: Integers) -> int:
+    """Narrow the arcs of robots in place; return the first place in the order where nothing is left, or -1."""
+    centre, bound = known
+    for k in range(len(order)):
+        arc, whose = order[k], robot[order[k]]
+        centre[whose], bound[whose] = intersection(centre[whose], bound[whose], arcs[0][arc], arcs[1][arc])
+        if bound[whose] < 0:
+            return k
+    return -1
+
+
+def _conflict(known: AngularIntervals, arcs: AngularIntervals, sources: Sources, before: Integers, last: int) -> Inconsistent:
+    """Return the error that names the arc, of those before, which excludes the last one; if only all together do, then all."""
+    robot, newest = sources.robot[last], sources[last]
+    same = before[sources.robot[before] == robot]
+    named = [Source("heading", newest.time, newest.robot), *map(sources.__getitem__, same)]
+    every = AngularIntervals(np.append(known.centre[robot], arcs.centre[same]), np.append(known.bound[robot], arcs.bound[same]))
+    apart = np.flatnonzero(every.intersection(arcs[np.full(len(every), last)]).empty)
+    return Inconsistent(f"at {newest.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), newest])

@@ -21,8 +21,8 @@ from filter.sets.regions import Regions
 class Proof(Frozen):
     """Claims that everything in a polytope satisfies normal . (x_j - x_i) <= offset, with the multipliers that prove them.
 
-    A claim holds because, with the multipliers y of its rows, the normal c and the box,
-    the greatest value of (c - A'y) . x over the box, plus y . b, is no greater than its offset: in exact arithmetic.
+    A claim holds because, with the multipliers y of its rows and the normal c, the greatest value of (c - A'y) . x over the
+    box, plus y . b, is no greater than its offset: in exact arithmetic.
 
     Attributes:
         polytope: Rows and box; its rows' sources are numbers in the table below.
@@ -45,9 +45,8 @@ class Proof(Frozen):
     @classmethod
     def of(cls, polytope: Polytope, sources: Sources, outlines: Outlines, whose: tuple[Integers, Integers]) -> Proof:
         """Return why every edge holds, of outlines of robots or pairs i, j."""
-        outer = outlines.outer
-        i, j = (each[outer.owner] for each in whose)
-        return cls(polytope, sources, i, j, outer.normals, outer.offsets, outlines.weights)
+        i, j = (each[outlines.outer.owner] for each in whose)
+        return cls(polytope, sources, i, j, outlines.outer.normals, outlines.outer.offsets, outlines.weights)
 
     def __len__(self) -> int:
         return len(self.offset)
@@ -90,8 +89,7 @@ class Belief:
         rows, origin = self.polytope.constraints, self.polytope.origin
         cause = self.found.cause if self.found else origin
         used = np.zeros(len(self.sources), dtype=bool)
-        for numbers in (rows.source, origin, cause):
-            used[numbers] = True
+        used[np.concatenate([rows.source, origin, cause])] = True
         now = np.cumsum(used) - 1
         polytope = replace(self.polytope, constraints=replace(rows, source=now[rows.source]), origin=now[origin])
         found = replace(self.found, cause=now[cause]) if self.found else None
@@ -103,10 +101,6 @@ class Belief:
         return self.polytope.constraints
 
     def causes(self, robot: int, edge: int) -> tuple[Source, ...]:
-        """Return what an edge of a robot's outer polygon was proved from, one step back.
-
-        Raises:
-            InvalidInput: There is no such robot, or no such edge.
-        """
+        """Return what an edge of a robot's outer polygon was proved from, one step back; `InvalidInput` if there is none."""
         causes = self.regions[whole_number("robot", robot, 0, len(self.regions) - 1)].causes
         return tuple(self.sources[int(number)] for number in causes[whole_number("edge", edge, 0, len(causes) - 1)])

@@ -18,24 +18,17 @@ Numbered = Sequence[tuple[Measurement, Integers]]  # records with the numbers (k
 
 
 def merged(polytope: Polytope, headings: AngularIntervals, numbered: Numbered, landmarks: Array, spacing: float) -> Polytope:
-    """Return a polytope with the rows of measurements.
+    """Return the team's polytope with the rows of bearings, and then of ranges, whose directions they narrow.
 
-    Bearings come first: they narrow the directions of the ranges.
-
-    Args:
-        polytope: The team's.
-        headings: (n) as narrowed by the same measurements.
-        numbered: Bearings and ranges.
-        landmarks: (l, 2) [m].
-        spacing: Greatest angle between two tangents of a range's far side [rad].
+    The (n) headings are narrowed already, by the same measurements; landmarks are (l, 2) [m]; `spacing` is the greatest angle
+    between two tangents of a range's far side [rad].
     """
     rows = []
     for record, source in numbered:
         if isinstance(record, Bearing):
             arcs = world_arcs(record, headings[record.robot])
             rows.append(bearing_rows(record.robot, record.target, arcs, source))
-    polytope = _with_rows(polytope, rows, landmarks)
-    rows = []
+    polytope, rows = _with_rows(polytope, rows, landmarks), []
     for record, source in numbered:
         if isinstance(record, Range):
             arcs = spans_of_targets(polytope, landmarks, record.robot, record.target)

@@ -26,11 +26,10 @@ def moved(belief: Belief, time: float, moves: Displacements, arena: Array) -> tu
     Raises:
         Inconsistent: A robot has left the arena for sure.
     """
-    polytope, sources = belief.polytope, belief.sources
     lower, upper = _moved_box(belief, time, moves, arena)
-    corners, sources = rows_through_corners(belief, moves, sources)
-    rows = Constraints.concatenate([polytope.constraints, corners])
-    return Polytope(moves.moved(rows), lower, upper, polytope.origin), sources
+    corners, sources = rows_through_corners(belief, moves, belief.sources)
+    rows = Constraints.concatenate([belief.constraints, corners])
+    return Polytope(moves.moved(rows), lower, upper, belief.polytope.origin), sources
 
 
 def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources) -> tuple[Constraints, Sources]:
@@ -56,10 +55,9 @@ def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources)
 
 def _moved_box(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Array, Array]:
     robots = np.arange(len(belief.headings))
-    right, top, left, bottom = (moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES)
-    lower = _outward(belief.polytope.lower, -np.stack([left, bottom], axis=1), -np.inf)
-    upper = _outward(belief.polytope.upper, np.stack([right, top], axis=1), np.inf)
-    lower, upper = np.maximum(lower, arena[0]), np.minimum(upper, arena[1])
+    by = np.stack([moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES], axis=1)
+    lower = np.maximum(_outward(belief.polytope.lower, -by[:, 2:], -np.inf), arena[0])
+    upper = np.minimum(_outward(belief.polytope.upper, by[:, :2], np.inf), arena[1])
     outside: Integers = np.flatnonzero((lower > upper).any(axis=1))
     if len(outside):
         robot = int(outside[0])

@@ -6,7 +6,7 @@ row on its own; what several rows say together of two robots has to be one row b
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from filter.projection.claims import Outlines, Weights
 from filter.projection.stop import IsOver, never
 from filter.projection.team import Outlined, Projector
 from filter.projection.window import Window
-from filter.sets.belief import Proof
+from filter.sets.belief import Belief, Proof
 from filter.sets.events import Event, Fallback
 from filter.sets.regions import Regions
 
@@ -34,40 +34,22 @@ NEAR = Window(hops=2, robots=12)
 Pairs = tuple[Integers, Integers]  # i and j (g) of each
 
 
-@dataclass(frozen=True, eq=False)
-class Refined:
-    """What projections gave.
-
-    Attributes:
-        polytope: With the regions' edges as the only rows on single robots and with the regions' boxes.
-        regions: (n) where each robot is.
-        sources: The table, with the regions entered.
-        events: Where walks and solvers failed.
-        proofs: Of every edge, then of every side of the boxes.
-    """
-
-    polytope: Polytope
-    regions: Regions
-    sources: Sources
-    events: tuple[Event, ...]
-    proofs: tuple[Proof, ...]
-
-
-def refined(time: float, polytope: Polytope, sources: Sources, projector: Projector, *, is_over: IsOver = never) -> Refined:
-    """Project every robot's region.
+def refined(belief: Belief, projector: Projector, *, is_over: IsOver = never) -> Belief:
+    """Return a belief with every robot's region projected; its edges are the only rows on single robots then.
 
     Those whose regions were refined longest ago come first: when time is up, the others' regions are what is known of them at
-    a glance.
+    a glance. The proofs are those of every edge, then of every side of the boxes.
 
     Raises:
         Inconsistent: The polytope is proved to be empty.
     """
+    polytope, sources = belief.polytope, belief.sources
     robots = np.arange(len(polytope.lower))
     order = np.argsort(sources.time[polytope.origin], kind="stable") if len(polytope.origin) else robots
     found = projector.robots(polytope, order=order, is_over=is_over)
     if found.contradiction is not None:
-        raise _inconsistent(time, polytope, sources, found.contradiction)
-    table, numbers = sources.extended("region", time, robots)
+        raise _inconsistent(belief, found.contradiction)
+    table, numbers = sources.extended("region", belief.time, robots)
     outlines, whose = found.outlines, (np.full(len(robots), WORLD), robots)
     # A search that time cut short had its turn: otherwise it would be the first again, and nobody else would ever come.
     late = np.array([reason == "time" for reason in outlines.reasons], dtype=bool) & (outlines.searches == 0)
@@ -76,32 +58,37 @@ def refined(time: float, polytope: Polytope, sources: Sources, projector: Projec
     lower, upper, boxes = proved_boxes(polytope, table, outlines, (own, row), np.flatnonzero(~late))
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)
     origin = np.where(late, polytope.origin, numbers) if late.any() else numbers
-    smaller = Polytope(Constraints.concatenate([own, pairs]), lower, upper, origin)
-    edges = Proof.of(polytope, sources, outlines, whose)
-    return Refined(smaller, Regions.of(polytope, outlines), table, _events(found, robots), (edges, boxes))
+    return replace(
+        belief,
+        polytope=Polytope(Constraints.concatenate([own, pairs]), lower, upper, origin),
+        sources=table,
+        found=Regions.of(polytope, outlines),
+        events=_events(found, robots),
+        proofs=(Proof.of(polytope, sources, outlines, whose), boxes),
+    )
 
 
-def with_pairs(time: float, found: Refined, most: int, projector: Projector, *, is_over: IsOver = never) -> Refined:
-    """Return what was found with the projections of at most so many pairs as the rows on them, and why these hold.
+def with_pairs(belief: Belief, most: int, projector: Projector, *, is_over: IsOver = never) -> Belief:
+    """Return a belief with the projections of at most so many pairs as the rows on them, and why these hold.
 
     Walks that are lost are events; their pairs keep the rows they have, and so do those that time runs out on.
     """
-    polytope, sources = found.polytope, found.sources
-    i, j = pairs = chosen_pairs(polytope, sources, time, most)
+    polytope, sources = belief.polytope, belief.sources
+    i, j = pairs = chosen_pairs(polytope, sources, belief.time, most)
     if not len(j):
-        return found
+        return belief
     near = replace(projector, window=NEAR) if projector.window.leaves_nobody_out else projector
     mutual = near.pairs(polytope, pairs, is_over=is_over)
-    table, numbers = sources.extended("region", time, j, i)
+    table, numbers = sources.extended("region", belief.time, j, i)
     edges, _ = edges_as_rows(polytope, mutual.outlines, pairs, numbers)
     rows, robots = polytope.constraints, len(polytope.lower)
     others = rows.select(~np.isin(_keys(rows.i, rows.j, robots), _keys(i, j, robots)))
     return replace(
-        found,
+        belief,
         polytope=polytope.with_constraints(Constraints.concatenate([others, edges])),
         sources=table,
-        events=(*found.events, *_events(mutual, j, i)),
-        proofs=(*found.proofs, Proof.of(polytope, sources, mutual.outlines, pairs)),
+        events=(*belief.events, *_events(mutual, j, i)),
+        proofs=(*belief.proofs, Proof.of(polytope, sources, mutual.outlines, pairs)),
     )
 
 
@@ -124,13 +111,9 @@ def chosen_pairs(polytope: Polytope, sources: Sources, time: float, most: int) -
 
 
 def edges_as_rows(polytope: Polytope, outlines: Outlines, whose: Pairs, numbers: Integers) -> tuple[Constraints, Integers]:
-    """Return the outlines' edges as rows, and which row (e,) each edge is, or their number for a side of a box.
+    """Return the edges of (n) outlines as rows, and which row (e,) each is, or their number for a side of a box.
 
-    Args:
-        polytope: What the outlines are of.
-        outlines: (n) of robots or pairs, in order.
-        whose: i and j (n) of each.
-        numbers: (n,) the sources of edges that were proved anew; rows that were known keep theirs.
+    Edges that were proved anew get the outlines' sources, numbers (n,); rows that were known keep theirs.
     """
     rows, weights, outer = polytope.constraints, outlines.weights, outlines.outer
     is_row = weights.counts > 0
@@ -145,13 +128,13 @@ def edges_as_rows(polytope: Polytope, outlines: Outlines, whose: Pairs, numbers:
 def proved_boxes(
     polytope: Polytope, sources: Sources, outlines: Outlines, edges: tuple[Constraints, Integers], robots: Integers
 ) -> tuple[Array, Array, Proof]:
-    """Return lower and upper corners (n, 2) of the polytope's box, made smaller around some robots' polygons, and why.
+    """Return lower and upper corners (n, 2) of a polytope's box, made smaller around the polygons of robots (k,), and why.
 
     Args:
         polytope: Its box is where each proof starts.
         sources: The table of the edges.
-        outlines: (n) of the robots.
-        edges: The polygons' edges as rows, and (e,) which of these each edge of a polygon is, or their number for none.
+        outlines: (n) of all robots.
+        edges: Their edges as rows, and (e,) which of these each is, or their number for none.
         robots: (k,) whose boxes are made smaller.
     """
     (rows, row), outer, asked = edges, outlines.outer, len(robots) * len(SIDES)
@@ -172,25 +155,21 @@ def proved_boxes(
 
 def _events(found: Outlined, robots: Integers, seen_from: Integers | None = None) -> tuple[Event, ...]:
     """Return the failures of projections of some robots, or of pairs, as events."""
-    return tuple(
-        Fallback(
-            None if each.which is None else int(robots[each.which]),
-            each.failed,
-            each.used,
-            None if seen_from is None or each.which is None else int(seen_from[each.which]),
-        )
-        for each in found.failures
-    )
+
+    def of(whose: Integers | None, which: int | None) -> int | None:
+        return None if whose is None or which is None else int(whose[which])
+
+    return tuple(Fallback(of(robots, each.which), each.failed, each.used, of(seen_from, each.which)) for each in found.failures)
 
 
-def _inconsistent(time: float, polytope: Polytope, sources: Sources, multipliers: Array) -> Inconsistent:
+def _inconsistent(belief: Belief, multipliers: Array) -> Inconsistent:
     """Return the error that names the sources of a Farkas certificate (r,), of as few rows as still prove it."""
-    program = polytope.program()
+    program, sources = belief.polytope.program(), belief.sources
     kept = (np.where(multipliers > share * multipliers.max(), multipliers, 0) for share in SHARES)
     proof = next((weights for weights in kept if program.proves_empty(weights)), multipliers)
-    conflict = np.unique(polytope.constraints.source[proof > 0])
+    conflict = np.unique(belief.constraints.source[proof > 0])
     conflict = conflict[np.argsort(sources.time[conflict], kind="stable")]
-    return Inconsistent(f"at {time} s", [sources[number] for number in conflict.tolist()])
+    return Inconsistent(f"at {belief.time} s", [sources[number] for number in conflict.tolist()])
 
 
 def _keys(i: Integers, j: Integers, robots: int) -> Integers:

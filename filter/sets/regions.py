@@ -106,9 +106,8 @@ class Regions(Frozen, Sequence[Region]):
     def performance_ratios(self) -> Array:
         """(n,) area inside over area outside (eq. 7), in [0, 1]; 0 without an inner polygon."""
         outer, begin = self.outer, self.outer.first[:-1]
-        extent = (
-            np.maximum.reduceat(outer.vertices, begin) - np.minimum.reduceat(outer.vertices, begin) + 2 * outer.margin[:, None]
-        )
+        extent = np.maximum.reduceat(outer.vertices, begin) - np.minimum.reduceat(outer.vertices, begin)
+        extent += 2 * outer.margin[:, None]
         without = outer.areas <= NO_AREA * (extent**2).sum(axis=1)
         ratios = np.minimum(1.0, self.inner.areas / np.where(without, 1.0, outer.areas))
         return np.where(self.inner.known, np.where(without, 1.0, ratios), 0.0)
@@ -116,8 +115,7 @@ class Regions(Frozen, Sequence[Region]):
     def contains(self, positions: Floats) -> Mask:
         """Return (n,) whether each outer polygon contains its own of (n, 2) positions [m]; none one that is not finite.
 
-        Raises:
-            InvalidInput: It is not a position for each robot.
+        Raises `InvalidInput` if it is not a position for each robot.
         """
         places = floats("positions [m]", positions)
         if places.shape != (len(self), 2):

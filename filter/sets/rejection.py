@@ -17,6 +17,7 @@ from filter.sets.merge import KIND_OF
 
 # So many sets of measurements are tried before the search for the fewest is given up.
 TRIES = 64
+NOTHING_TO_DROP = "no measurement of this update is in the conflict, to be dropped"
 
 Merge = Callable[[tuple[Measurement, ...]], Belief]
 Reading = tuple[int, int]  # of which record, in which place of it
@@ -24,11 +25,9 @@ Dropped = dict[Reading, tuple[Source, ...]]  # with the conflict in which it was
 
 
 def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
-    """Merge measurements but those that have to go for the rest to agree; the belief's events say which, and why.
+    """Merge measurements of one time but those that have to go for the rest to agree; the belief's events say which, and why.
 
-    Args:
-        merge: Merges measurements of one time, or raises `Inconsistent`.
-        measurements: All of one time; the later one counts as the newer.
+    The later in the sequence counts as the newer.
 
     Raises:
         Inconsistent: There is a conflict with none of these measurements in it: nothing can be dropped.
@@ -58,15 +57,13 @@ def without(measurements: Sequence[Measurement], dropped: Dropped) -> tuple[Meas
     left = []
     for k, record in enumerate(measurements):
         keep = np.array([(k, place) not in dropped for place in range(len(record.robot))], dtype=bool)
-        columns = {name: getattr(record, name)[keep] for name in field_names(record)}
-        left.append(record if keep.all() else replace(record, **columns))
+        left.append(replace(record, **{name: getattr(record, name)[keep] for name in field_names(record)}))
     return tuple(left)
 
 
 class _Rejection:
     def __init__(self, merge: Merge, measurements: Sequence[Measurement]) -> None:
-        self._merge, self._measurements = merge, measurements
-        self._single = single(measurements)
+        self._merge, self._measurements, self._single = merge, measurements, single(measurements)
 
     def run(self) -> Belief:
         waiting: deque[Dropped] = deque([{}])
@@ -82,7 +79,7 @@ class _Rejection:
                     seen.add(frozenset(more))
                     waiting.append(more)
             if not waiting:
-                raise Inconsistent("no measurement of this update is in the conflict, to be dropped", found.sources) from found
+                raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
         return self._greedy()
 
     def _greedy(self) -> Belief:
@@ -90,7 +87,7 @@ class _Rejection:
         while not isinstance(found := self._tried(dropped), Belief):
             candidates = self._candidates(found, dropped)
             if not candidates:
-                raise Inconsistent("no measurement of this update is in the conflict, to be dropped", found.sources) from found
+                raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
             dropped = dropped | {candidates[0]: found.sources}
         for reading in sorted(dropped):
             fewer = {other: conflict for other, conflict in dropped.items() if other != reading}

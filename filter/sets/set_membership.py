@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Integers, function, instance, number, settle, shown, whole, whole_number
+from filter.arrays import Checked, Integers, checked, function, instance, number, settle, shown, whole, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
-from filter.linear.constraints import Constraints
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
@@ -21,9 +21,8 @@ from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sensing.headings import narrowed_headings
 from filter.sensing.motion import displacements, turned_headings
-from filter.sensing.rows import TANGENT_SPACING
+from filter.sensing.rows import TANGENT_SPACING, narrowed_headings
 from filter.sets.belief import Belief
 from filter.sets.merge import merged, numbered_of
 from filter.sets.predict import moved
@@ -35,13 +34,12 @@ Policy = Literal["raise", "reject"]
 PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
 
 
-def _unheard(phase: str) -> None:
-    """Let a phase begin."""
+def _unheard(phase: str) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
-class SetMembershipFilter:
-    """Keeps a belief about a moving team that contains the truth as long as every declared bound holds.
+class SetMembershipFilter(Checked):
+    """A `Filter`: keeps a belief about a moving team that contains the truth as long as every declared bound holds.
 
     Attributes:
         team: The robots, the landmarks and their limits.
@@ -64,94 +62,56 @@ class SetMembershipFilter:
             does not depend on it.
 
     Raises:
-        InvalidInput: An attribute is of another type, no such solver is installed, no such policy, too few rows may stay, or
-            the spacing is out of its range.
+        InvalidInput: An attribute is of another type or out of its range, or no such solver is installed.
     """
 
-    team: Team
-    exact: bool = True
+    team: Team = field(metadata=checked(instance, "team", Team))
+    exact: bool = field(default=True, metadata=checked(instance, "exact", bool))
     solvers: tuple[Solver, ...] = ("piqp", "highs")
-    stop: Stop = field(default_factory=Stop)
-    rows_per_robot: int = 20
-    rows_per_pair: int = 12
-    pairs: int = 21
-    tangent_spacing: float = TANGENT_SPACING
-    scope: Window = field(default_factory=Window.everybody)
+    stop: Stop = field(default_factory=Stop, metadata=checked(instance, "stop", Stop))
+    rows_per_robot: int = field(default=20, metadata=checked(whole_number, "rows_per_robot", 4))
+    rows_per_pair: int = field(default=12, metadata=checked(whole_number, "rows_per_pair", 4))
+    pairs: int = field(default=21, metadata=checked(whole_number, "pairs"))
+    tangent_spacing: float = field(default=TANGENT_SPACING, metadata=checked(number, "tangent spacing [rad]", 0.01, np.pi / 2))
+    scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
     policy: Policy = "raise"
-    budget: Budget | None = None
+    budget: Budget | None = field(default=None, metadata=checked(instance, "budget", Budget, type(None)))
     threads: int | None = None
-    on_phase: Callable[[str], object] = _unheard
+    on_phase: Callable[[str], object] = field(default=_unheard, metadata=checked(function, "on_phase"))
 
     def __post_init__(self) -> None:
-        instance("team", self.team, Team)
-        instance("stop", self.stop, Stop)
-        instance("scope", self.scope, Window)
-        instance("budget", self.budget, Budget, type(None))
-        instance("exact", self.exact, bool)
-        function("on_phase", self.on_phase)
+        super().__post_init__()
         if not isinstance(self.policy, str) or self.policy not in get_args(Policy):
             raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", shown(self.policy))
-        settle(
-            self,
-            solvers=checked_solvers(self.solvers),
-            rows_per_robot=whole_number("rows_per_robot", self.rows_per_robot, 4),
-            rows_per_pair=whole_number("rows_per_pair", self.rows_per_pair, 4),
-            pairs=whole_number("pairs", self.pairs),
-            tangent_spacing=number("tangent spacing [rad]", self.tangent_spacing, 0.01, np.pi / 2),
-            threads=self.threads if self.threads is None else whole_number("threads", self.threads, 1),
-        )
+        if self.threads is not None:
+            settle(self, threads=whole_number("threads", self.threads, 1))
+        settle(self, solvers=checked_solvers(self.solvers))
 
     @classmethod
     def light(cls, team: Team, **options: Any) -> Self:
         """Return a filter that takes less along from step to step, for large teams: faster, with regions larger by little.
 
-        Args:
-            team: The robots, the landmarks and their limits.
-            options: The filter's other attributes, and those of these that are to be different after all.
+        The options are its other attributes, and those that are to be different after all.
         """
         return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, **options})
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> Belief:
-        """Return the belief before any measurement.
-
-        Args:
-            time: When [s].
-            positions: (n) a polygon around each robot; a point anchors it.
-            headings: (n) arcs around the headings, or None when nothing is known.
-
-        Raises:
-            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, or a set is empty.
-        """
-        begin, robots = number("time [s]", time), self.team.robots
+        """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
+        begin = number("time [s]", time)
         polygons, known = self.team.initial(positions, headings)
         corners = np.array([polygon.bounds for polygon in polygons])
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
-        if (lower > upper).any():
-            outside = int(np.flatnonzero((lower > upper).any(axis=1))[0])
-            raise InvalidInput("initial polygons that reach into the arena", f"robot {outside} wholly outside")
-        sources, numbers = Sources().extended("initial set", begin, np.arange(robots))
-        rows = [
-            Constraints.on_robot(k, polygon.normals, polygon.offsets, np.full(len(polygon.offsets), numbers[k]))
-            for k, polygon in enumerate(polygons)
-        ]
-        polytope = Polytope(Constraints.concatenate(rows), lower, upper, numbers)
-        return Belief(begin, polytope, known, sources)
+        outside = np.flatnonzero((lower > upper).any(axis=1))
+        if len(outside):
+            raise InvalidInput("initial polygons that reach into the arena", f"robot {outside[0]} wholly outside")
+        sources, numbers = Sources().extended("initial set", begin, np.arange(self.team.robots))
+        j = np.repeat(numbers, [len(polygon.offsets) for polygon in polygons])
+        normals, offsets = (np.concatenate([getattr(each, name) for each in polygons]) for name in ("normals", "offsets"))
+        rows = Constraints(np.full(len(j), WORLD), j, normals, offsets, numbers[j])
+        return Belief(begin, Polytope(rows, lower, upper, numbers), known, sources)
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
-        """Return the belief at a later time, after the robots have moved.
-
-        A robot that the odometry does not name can have moved within the team's limits.
-
-        Args:
-            belief: Stays as it is.
-            time: When [s].
-            odometry: The motion from the belief's time to `time`, or None.
-
-        Raises:
-            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, or names an unknown robot.
-            Inconsistent: A robot has left the arena for sure.
-        """
+        """Return the belief at a later time [s]; raises `Inconsistent`, too, if a robot has left the arena for sure."""
         self.on_phase("predict")
         self.team.check_belief(belief, Belief, "headings")
         time = self.team.check_motion(belief.time, time, odometry)
@@ -164,13 +124,9 @@ class SetMembershipFilter:
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
         """Return the belief after merging measurements taken at its time, with every region searched anew.
 
-        Args:
-            belief: Stays as it is.
-            measurements: Records, in any order: it makes no difference but to arcs wider than half a circle.
+        Their order makes no difference but to arcs wider than half a circle.
 
         Raises:
-            OutOfOrder: A record is of another time than the belief.
-            InvalidInput: A record names an unknown robot or landmark.
             Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
                 With the policy "reject": and none of these measurements is in the conflict.
         """
@@ -183,12 +139,7 @@ class SetMembershipFilter:
         return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
-        """Return polygons that contain x_j - x_i, where one robot of each of (g) pairs is as seen from the other (eq. 3) [m].
-
-        Args:
-            belief: Stays as it is.
-            i: (g,) from whom.
-            j: (g,) who; another robot.
+        """Return (g) polygons that contain x_j - x_i, where robots j (g,) are as seen from robots i (g,) (eq. 3) [m].
 
         Raises:
             InvalidInput: These are no pairs of two robots of the team.
@@ -197,24 +148,22 @@ class SetMembershipFilter:
         largest = max(one.max(initial=0), other.max(initial=0))
         if one.ndim != 1 or one.shape != other.shape or (one == other).any() or largest >= self.team.robots:
             raise InvalidInput(f"(g,) robots below {self.team.robots} and (g,) others", f"{one.tolist()} and {other.tolist()}")
-        first, second = np.minimum(one, other), np.maximum(one, other)
-        seen = self._projector.pairs(belief.polytope, (first, second)).outlines.outer
-        return seen.turned_about(one > other)
+        pairs = np.minimum(one, other), np.maximum(one, other)
+        return self._projector.pairs(belief.polytope, pairs).outlines.outer.turned_about(one > other)
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         self.on_phase("headings")
         sources, numbered = numbered_of(belief.sources, measurements)
         headings = narrowed_headings(belief.headings, belief.polytope, measurements, self.team.landmarks)
         self.on_phase("merge")
-        known = merged(belief.polytope, headings, numbered, self.team.landmarks, self.tangent_spacing)
+        polytope = merged(belief.polytope, headings, numbered, self.team.landmarks, self.tangent_spacing)
         self.on_phase("prune")
-        polytope = self._pruned(known)
+        known = Belief(belief.time, self._pruned(polytope), headings, sources)
         self.on_phase("project")
-        found = refined(belief.time, polytope, sources, self._projector, is_over=is_over)
+        found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")
-        found = with_pairs(belief.time, found, self.pairs, self._projector, is_over=is_over)
-        polytope = self._pruned(found.polytope)
-        return Belief(belief.time, polytope, headings, found.sources, found.regions, found.events, found.proofs).compact()
+        found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
+        return replace(found, polytope=self._pruned(found.polytope)).compact()
 
     @property
     def _projector(self) -> Projector:

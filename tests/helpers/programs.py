@@ -19,7 +19,7 @@ from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
-from filter.sensing.headings import narrowed_headings
+from filter.sensing.rows import narrowed_headings
 from filter.sets.belief import Proof
 from filter.sets.merge import merged, numbered_of
 from filter.sets.set_membership import SetMembershipFilter

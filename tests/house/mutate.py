@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 MODULES = ("filter/geometry/sector.py", "filter/sensing/rows.py", "filter/sensing/motion.py")
 # The nearest tests first: they catch most, and quickly.
 TESTS = (
-    ("tests/geometry/test_sector.py", "tests/sensing/test_rows.py", "tests/sensing/test_motion.py"),
+    ("tests/geometry/test_sector.py", "tests/sensing"),
     ("tests/laws/test_signs.py", "tests/laws/test_minkowski.py"),
     ("tests/sets/test_set_membership.py", "tests/laws/test_laws.py"),
 )

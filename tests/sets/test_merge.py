@@ -7,7 +7,7 @@ from helpers.worlds import World, exact_row_slack
 
 from filter.linear.sources import Source, Sources
 from filter.measurements import Bearing, Compass, Range
-from filter.sensing.headings import narrowed_headings
+from filter.sensing.rows import narrowed_headings
 from filter.sets.belief import Belief
 from filter.sets.merge import KIND_OF, merged, numbered_of
 from filter.sets.set_membership import SetMembershipFilter

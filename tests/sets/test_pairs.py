@@ -13,8 +13,9 @@ from filter.linear.polytope import Polytope
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
+from filter.sets.belief import Belief
 from filter.sets.events import Fallback
-from filter.sets.refine import NEAR, Refined, chosen_pairs, with_pairs
+from filter.sets.refine import NEAR, chosen_pairs, with_pairs
 from filter.sets.set_membership import SetMembershipFilter
 
 DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))
@@ -109,8 +110,8 @@ def test_a_lost_walk_leaves_a_pair_its_rows_and_is_told():
     world = World(np.random.default_rng(5), robots=2)
     *_, belief = beliefs(SetMembershipFilter(world.team), world, 2)
     polytope = round_pair()
-    before = Refined(polytope, belief.regions, belief.sources, (), ())
-    found = with_pairs(belief.time, before, 36, Projector(NEAR, Stop(1.0, searches=400)))
+    before = Belief(belief.time, polytope, belief.headings, belief.sources)
+    found = with_pairs(before, 36, Projector(NEAR, Stop(1.0, searches=400)))
     assert found.events == (Fallback(1, ("walk",), None, 0),)
     assert "region of robot 1 seen from robot 0" in "; ".join(map(str, found.events))
     (proof,) = found.proofs
@@ -125,8 +126,8 @@ def test_pairs_that_are_not_chosen_keep_their_rows():
     world = World(np.random.default_rng(3), robots=5)
     *_, belief = beliefs(SetMembershipFilter(world.team, pairs=0), world, 2)
     polytope, sources = belief.polytope, belief.sources
-    before = Refined(polytope, belief.regions, sources, (), ())
-    found = with_pairs(belief.time, before, 3, Projector(NEAR, Stop()))
+    before = Belief(belief.time, polytope, belief.headings, sources)
+    found = with_pairs(before, 3, Projector(NEAR, Stop()))
     i, j = chosen_pairs(polytope, sources, belief.time, 3)
     assert set(zip(found.proofs[0].i.tolist(), found.proofs[0].j.tolist(), strict=True)) == set(
         zip(i.tolist(), j.tolist(), strict=True)
@@ -135,7 +136,7 @@ def test_pairs_that_are_not_chosen_keep_their_rows():
         old, new = polytope.constraints, found.polytope.constraints
         kept = old.offset[old.rows_of(first, second)].tolist() == new.offset[new.rows_of(first, second)].tolist()
         assert kept == ((first, second) not in zip(i.tolist(), j.tolist(), strict=True))
-    assert with_pairs(belief.time, before, 0, Projector(NEAR, Stop())) is before
+    assert with_pairs(before, 0, Projector(NEAR, Stop())) is before
 
 
 def test_when_time_is_up_pairs_keep_their_rows():

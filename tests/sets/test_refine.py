@@ -7,6 +7,7 @@ from helpers.teams import begun, beliefs
 from helpers.worlds import World, escapes, exact_claim
 
 from filter.errors import Inconsistent
+from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import SIDES, Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
@@ -15,6 +16,7 @@ from filter.linear.sources import Source, Sources
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
+from filter.sets.belief import Belief
 from filter.sets.refine import edges_as_rows, proved_boxes, refined
 from filter.sets.set_membership import SetMembershipFilter
 
@@ -36,13 +38,13 @@ def two_robots(offset):
     )
     sources, _ = Sources().extended("initial set", 0.0, [1])
     sources, _ = sources.extended("range", 1.0, [0], [1])
-    return Polytope(rows, np.array([[0.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 1.0], [3.0, 1.0]])), sources
+    polytope = Polytope(rows, np.array([[0.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 1.0], [3.0, 1.0]]))
+    return Belief(1.0, polytope, AngularIntervals.circles(2), sources)
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_regions_are_what_the_pair_implies_and_their_edges_name_why(way):
-    polytope, sources = two_robots(1.5)
-    found = refined(1.0, polytope, sources, WAYS[way])
+    found = refined(two_robots(1.5), WAYS[way])
     left, regions, table = found.polytope, found.regions, found.sources
     assert regions[0].outer.bounds[0] == pytest.approx([0.5, 0], abs=1e-6)
     assert regions[1].outer.bounds[1] == pytest.approx([2.5, 1], abs=1e-6)
@@ -54,18 +56,16 @@ def test_regions_are_what_the_pair_implies_and_their_edges_name_why(way):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_what_excludes_one_another_is_named_the_newest_last(way):
-    polytope, sources = two_robots(0.5)
     with pytest.raises(
         Inconsistent, match=r"at 1\.0 s: .*initial set of robot 1 at 0\.000 s; range of robot 0 to 1 at 1\.000 s"
     ) as raised:
-        refined(1.0, polytope, sources, WAYS[way])
+        refined(two_robots(0.5), WAYS[way])
     assert [source.kind for source in raised.value.sources] == ["initial set", "range"]
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_regions_that_just_touch_are_not_inconsistent(way):
-    polytope, sources = two_robots(1.0)
-    regions = refined(1.0, polytope, sources, WAYS[way]).regions
+    regions = refined(two_robots(1.0), WAYS[way]).regions
     assert regions[0].outer.contains([1.0, 0.5])
     assert regions[1].outer.contains([2.0, 0.5])
 
@@ -172,7 +172,7 @@ def test_edges_become_rows_known_ones_with_their_sources_new_ones_with_the_regio
 def test_after_a_projection_only_edges_are_left_of_rows_on_single_robots():
     polytope = merged_team(1)
     sources, _ = Sources().extended("range", 0.0, np.zeros(999, dtype=int))
-    found = refined(2.0, polytope, sources, WAYS["walk"])
+    found = refined(Belief(2.0, polytope, AngularIntervals.circles(5), sources), WAYS["walk"])
     rows = found.polytope.constraints
     pairs = polytope.constraints.i != WORLD
     assert rows.offset[rows.i != WORLD].tolist() == polytope.constraints.offset[pairs].tolist()

@@ -1,8 +1,7 @@
 """Windows: the sub-team of the robots near one, and its program, compiled. The whole team is the widest.
 
-Leaving rows out is sound: a region in a window contains the region in the whole team. What a window needs is what
-a robot of a distributed team would hear over its radio from those it has measured, or that have measured it: their boxes
-and their rows, and the rows between them.
+Leaving rows out is sound: a region in a window contains the region in the whole team. What a window needs is what a robot
+would hear over a radio from those it has measured, or that have measured it: their boxes, their rows, and those between them.
 """
 
 from __future__ import annotations
@@ -83,18 +82,10 @@ def links(rows: Constraints, robots: int) -> Links:
 
 @compiled
 def members_of(i: int, j: int, hops: int, most: int, who: Links, place: Integers) -> tuple[Integers, bool]:
-    """Return robot j, robot i if it is not WORLD, and those at most so many pairs away from them, the nearest first.
+    """Return robot j, i if that is not WORLD, and those at most so many pairs away from them, the nearest first.
 
-    Args:
-        i: The second member, or WORLD.
-        j: The first member.
-        hops: How far the window reaches.
-        most: How many members it may have, from 2 on.
-        who: Who has rows with whom.
-        place: (n,) scratch, all -1; afterwards the place of each member.
-
-    Returns:
-        The members, and whether nobody who has to do with them is left out.
+    There are at most so many, from 2 on. The place of each is written into (n,) scratch, all -1 before. Besides, return whether
+    nobody who has to do with them is left out.
     """
     members = np.empty(min(most, len(place)), dtype=np.int64)
     members[0], place[j], count, begin = j, 0, 1, 0
@@ -149,22 +140,24 @@ def box_around(i: int, j: int, box: Boxes) -> Boxes:
 def rows_in(members: Integers, place: Integers, who: Links) -> Integers:
     """Return the rows on the members alone and on pairs of members."""
     rows, total = np.empty(0, dtype=np.int64), 0
-    for write in range(2):  # first they are counted
-        total = 0
+    for _ in range(2):  # first they are counted
+        rows, total = np.empty(total, dtype=np.int64), 0
         for a in members:
-            for row in range(who.own_first[a], who.own_first[a + 1]):
-                if write:
-                    rows[total] = row
-                total += 1
+            total = _put(who.own_first[a], who.own_first[a + 1], rows, total)
             for k in range(who.near_first[a], who.near_first[a + 1]):
                 if who.near[k] > a and place[who.near[k]] >= 0:
-                    for row in range(who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1]):
-                        if write:
-                            rows[total] = row
-                        total += 1
-        if not write:
-            rows = np.empty(total, dtype=np.int64)
+                    total = _put(who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1], rows, total)
     return rows
+
+
+@compiled
+def _put(begin: int, end: int, rows: Integers, count: int) -> int:
+    """Write some numbers in a row after so many, as far as there is room; return how many there are then."""
+    for row in range(begin, end):
+        if count < len(rows):
+            rows[count] = row
+        count += 1
+    return count
 
 
 class WindowProgram(NamedTuple):

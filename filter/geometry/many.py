@@ -37,10 +37,9 @@ class Polygons(Frozen, Sequence[Polygon]):
     @classmethod
     def of(cls, polygons: Sequence[Polygon]) -> Polygons:
         """Return single polygons laid end to end."""
+        none, each = (np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2))), ((p.normals, p.offsets, p.vertices) for p in polygons)
+        normals, offsets, vertices = map(np.concatenate, zip(none, *each, strict=True))
         first = np.cumsum([0, *(len(polygon.offsets) for polygon in polygons)])
-        normals = np.concatenate([np.zeros((0, 2)), *(polygon.normals for polygon in polygons)])
-        vertices = np.concatenate([np.zeros((0, 2)), *(polygon.vertices for polygon in polygons)])
-        offsets = np.concatenate([np.zeros(0), *(polygon.offsets for polygon in polygons)])
         return cls(normals, offsets, vertices, np.array([polygon.margin for polygon in polygons], dtype=float), first)
 
     def __len__(self) -> int:
@@ -88,10 +87,7 @@ class Polygons(Frozen, Sequence[Polygon]):
         return Polygons(sign * self.normals, self.offsets, sign * self.vertices, self.margin, self.first)
 
     def spans(self) -> AngularIntervals:
-        """Return (n) arcs that contain the directions from the origin to every point of each polygon; they err outward [rad].
-
-        The bound is pi where the origin is inside, or so near that no direction is excluded for sure.
-        """
+        """Return (n) arcs that contain the directions from the origin to every point of each polygon, see `span_of` [rad]."""
         return AngularIntervals(*_spans(self.vertices, self.margin, self.first).T)
 
 
@@ -111,24 +107,17 @@ class Clipped(Frozen):
 
 
 def clip_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers], lower: Array, upper: Array) -> Clipped:
-    """Cut each of g boxes by its own group of half-planes, as `clip_box` does.
+    """Cut each of g boxes, lower and upper corners (g, 2), by its own group of r half-planes, as `clip_box` does [m].
 
-    Args:
-        normals: (r, 2) of length 1 to rounding.
-        offsets: (r,) [m].
-        groups: Where each group begins and ends among the half-planes, (g,) and (g,).
-        lower: (g, 2) corners of the boxes [m].
-        upper: (g, 2) corners of the boxes [m].
+    Where the groups begin and end among normals (r, 2), of length 1 to rounding, and offsets (r,) is (g,) and (g,).
     """
     begin, end = groups
     most, count = int((end - begin).sum()) + 4 * len(begin), len(begin)
     lines, vertices, behind = (np.empty((most, 2)), np.empty(most)), np.empty((most, 2)), np.empty(most, dtype=np.int64)
     margin, first, empty = np.empty(count), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool)
     _clip((*lines, vertices, behind), (margin, first, empty), (normals, offsets), groups, (lower, upper))
-    edges = slice(first[-1])
-    normals_of, offsets_of, corners = (column[edges].copy() for column in (*lines, vertices))
-    outlines = Polygons(normals_of, offsets_of, corners, margin, first)
-    return Clipped(outlines, behind[edges].copy(), empty)
+    outward, reach, corners = (column[: first[-1]].copy() for column in (*lines, vertices))
+    return Clipped(Polygons(outward, reach, corners, margin, first), behind[: first[-1]].copy(), empty)
 
 
 @compiled

@@ -61,7 +61,7 @@ class Hypotheses(Table):
         names, group = np.unique(self.without, return_inverse=True)
         grid = len(names), cells
         low, high, reach = np.full(grid, np.inf), np.full(grid, -np.inf), np.full((*grid, COUNT), -np.inf)
-        regrid(group, self.low, self.high, self.reach, (low, high, reach))
+        regrid((low, high, reach), group, self.low, self.high, self.reach)
         some = low <= high
         return Hypotheses(names[np.nonzero(some)[0]], low[some], high[some], reach[some])
 
@@ -77,8 +77,7 @@ class Hypotheses(Table):
     def heading(self) -> tuple[float, float]:
         """Return centre and bound of the narrowest arc around all headings [rad]."""
         turns = np.floor(self.low / (2 * np.pi)) * 2 * np.pi
-        low, high = self.low - turns, self.high - turns
-        low, high = np.append(low - 2 * np.pi, low), np.append(high - 2 * np.pi, high)  # the circle twice
+        low, high = (np.append(ends - turns - 2 * np.pi, ends - turns) for ends in (self.low, self.high))  # the circle twice
         order, count = np.argsort(low), len(self)
         lows, ends = low[order], np.maximum.accumulate(high[order])
         gaps = lows[count:] - ends[count - 1 : -1]  # those in front of the second circle's slices: all are behind them once
@@ -90,13 +89,8 @@ class Hypotheses(Table):
 
 
 def polygon_of(reach: Array) -> Polygon:
-    """Return the polygon with these supports (COUNT,) [m].
-
-    Raises:
-        InvalidInput: They are those of no polygon.
-    """
-    lower, upper = -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]]
-    clipped = clip(DIRECTIONS, reach, lower, upper)
+    """Return the polygon with these supports (COUNT,) [m]; InvalidInput if it is none."""
+    clipped = clip(DIRECTIONS, reach, -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]])
     if clipped is None:
         raise InvalidInput("supports of a polygon", reach.tolist())
     return clipped[0]

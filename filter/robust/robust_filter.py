@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,12 +14,10 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.measurements import Measurement, Odometry
 from filter.robust.belief import RobustBelief
-from filter.robust.camera_filter import Estimating
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
-from filter.robust.leaving import without_those_who_left
 from filter.robust.merging import Merging
-from filter.robust.sightings import FARTHEST, Sightings
+from filter.robust.sightings import FARTHEST, sightings_in
 from filter.robust.slices import move, stay_within
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Rules, Votes
@@ -35,16 +33,15 @@ class RobustFilter:
     The guarantee: every robot is in its region if odometry keeps its bounds and, of the votes on it (see
     `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong.
 
+    Raises InvalidInput if an attribute is of another type, the cells are too few or too many, or a finite side of the arena or
+    a landmark is beyond 1e6 m.
+
     Attributes:
         team: The robots, the landmarks and their limits.
         rules: What is assumed of wrong measurements.
         suspicion: When a camera or an identity is put aside.
         alignment: When a camera is suspected to be turned or late.
         cells: How many slices a full circle of headings has, from 8 to 10 000.
-
-    Raises:
-        InvalidInput: An attribute is of another type, the cells are too few or too many, or a finite side of the arena or a
-            landmark is beyond 1e6 m.
     """
 
     team: Team
@@ -63,16 +60,10 @@ class RobustFilter:
         _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
-        """Return the belief before any measurement.
+        """Return the belief before any measurement, at a time [s].
 
-        Args:
-            time: When [s].
-            positions: (n) a polygon around each robot.
-            headings: (n) arcs around the headings, or None when nothing is known.
-
-        Raises:
-            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, a set is empty, or beyond
-                1e6 m.
+        Known are (n) polygons around the robots and arcs around their headings, or None if nothing is known of these. Raises
+        InvalidInput if they are none, not as many as the robots, empty, or beyond 1e6 m.
         """
         begin, robots = number("time [s]", time), self.team.robots
         polygons, known = self.team.initial(positions, headings)
@@ -100,14 +91,13 @@ class RobustFilter:
         self._check(belief)
         time = self.team.check_motion(belief.time, time, odometry)
         moves = _moves(odometry, self.team, time - belief.time)
-        estimating = Estimating(belief.offsets, self.alignment)
-        estimating.move(moves, time - belief.time)
+        offsets = belief.offsets.moved(moves, time - belief.time, self.alignment)
         for robot in np.flatnonzero(belief.offsets.turned).tolist():  # its slices are of the camera's heading
             distance, turn, aside = moves[robot]
             moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
-        sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
-        after = replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
-        return without_those_who_left(after, self.rules, self.cells, self.arena)
+        sets = tuple(self._moved(known, *way) for known, way in zip(belief.sets, moves, strict=True))
+        after = replace(belief, time=time, sets=sets, offsets=offsets)
+        return Merging(after, self.team, self.rules, self.cells, self.arena).left()
 
     def _check(self, belief: RobustBelief) -> None:
         """Refuse what is no belief about this team."""
@@ -119,26 +109,19 @@ class RobustFilter:
     def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
         """Return where in the arena a robot can be after a move; nothing is left if a bound was broken before."""
         low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
-        move(low, high, reach, distance, turn, aside)
-        left = stay_within(reach, self.arena)
-        moved = Hypotheses(known.without, low, high, reach)
-        moved = moved if left.all() else moved.select(left)
+        move(distance, turn, aside, low, high, reach)
+        moved = Hypotheses(known.without, low, high, reach).cut(partial(stay_within, self.arena))
         return moved.cut_anew(self.cells) if len(moved) and moved.stretched(self.cells) else moved
 
     def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
-        """Return the belief after merging measurements taken at its time.
-
-        Args:
-            belief: Stays as it is.
-            measurements: Records, in any order.
+        """Return the belief after merging measurements taken at its time, in any order.
 
         Raises:
             OutOfOrder: A record is of another time than the belief.
             InvalidInput: A record names an unknown robot or landmark.
         """
         self._check(belief)
-        records = self.team.checked(belief.time, measurements)
-        sightings = Sightings.of(records, self.team.robots)
+        sightings = sightings_in(self.team.checked(belief.time, measurements), self.team.robots)
         merging = Merging(belief, self.team, self.rules, self.cells, self.arena)
         merging.merge(sightings)
         return merging.ended(sightings, self.suspicion, self.alignment)
@@ -146,16 +129,14 @@ class RobustFilter:
     @cached_property
     def arena(self) -> Array:
         """(COUNT,) supports of the arena, or of far more than any robot drives [m]."""
-        corners = np.clip(self.team.arena, -FARTHEST, FARTHEST)
-        return reach_of(Polygon.box(*corners))
+        return reach_of(Polygon.box(*np.clip(self.team.arena, -FARTHEST, FARTHEST)))
 
 
 def _near(name: str, places: Array) -> None:
     """Refuse places where the robust filter does not reach: what is endless to it would end before them."""
     if (np.abs(places) > FARTHEST).any():
-        raise InvalidInput(
-            f"{name} within {FARTHEST:g} m of the origin (subtract one that is near)", f"{np.abs(places).max():g} m"
-        )
+        expected = f"{name} within {FARTHEST:g} m of the origin (subtract one that is near)"
+        raise InvalidInput(expected, f"{np.abs(places).max():g} m")
 
 
 def _moves(odometry: Odometry | None, team: Team, duration: float) -> list[tuple[Array, Array, Array]]:

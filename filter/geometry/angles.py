@@ -141,12 +141,11 @@ class AngularIntervals:
 def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> Array:
     """Return (2, k) centres and bounds."""
     arcs = np.empty((2, len(centre)))
-    centres, bounds = arcs[0], arcs[1]
     for k in range(len(centre)):
         turned = centre[k] + by[k]
         outward = ANGLE_ROUNDING * (1 + abs(by[k]) + abs(turned))
-        centres[k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
-        bounds[k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
+        arcs[0, k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
+        arcs[1, k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
     return arcs
 
 

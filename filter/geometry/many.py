@@ -12,8 +12,10 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, Mask, chosen, read_only
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON, area_of, clip_into, clip_room, side_of_box, span_of
+from filter.geometry.convex import EPSILON, Lines, area_of, clip_into, clip_room, side_of_box, span_of
 from filter.geometry.polygon import Polygon
+
+Groups = tuple[Integers, Integers]  # where each of g groups begins and ends, (g,) and (g,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +23,7 @@ class Polygons(Frozen, Sequence[Polygon]):
     """Polygons laid end to end: the edges of polygon k are first[k] to first[k + 1].
 
     Attributes:
-        normals: (e, 2) as in `Polygon`.
-        offsets: (e,) [m].
-        vertices: (e, 2) [m].
-        margin: (n,) [m].
+        normals: (e, 2) as in `Polygon`, as are offsets (e,), vertices (e, 2) and margin (n,) [m].
         first: (n + 1,) where the edges of each begin.
     """
 
@@ -106,11 +105,8 @@ class Clipped(Frozen):
     empty: Mask
 
 
-def clip_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers], lower: Array, upper: Array) -> Clipped:
-    """Cut each of g boxes, lower and upper corners (g, 2), by its own group of r half-planes, as `clip_box` does [m].
-
-    Where the groups begin and end among normals (r, 2), of length 1 to rounding, and offsets (r,) is (g,) and (g,).
-    """
+def clip_boxes(normals: Array, offsets: Array, groups: Groups, lower: Array, upper: Array) -> Clipped:
+    """Cut each of g boxes with corners (g, 2) by its own group of r half-planes, as `clip_box` does [m]."""
     begin, end = groups
     most, count = int((end - begin).sum()) + 4 * len(begin), len(begin)
     lines, vertices, behind = (np.empty((most, 2)), np.empty(most)), np.empty((most, 2)), np.empty(most, dtype=np.int64)
@@ -122,11 +118,7 @@ def clip_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers]
 
 @compiled
 def _clip(
-    edges: tuple[Array, Array, Array, Integers],
-    each: tuple[Array, Integers, Mask],
-    lines: tuple[Array, Array],
-    groups: tuple[Integers, Integers],
-    box: tuple[Array, Array],
+    edges: tuple[Array, Array, Array, Integers], each: tuple[Array, Integers, Mask], lines: Lines, groups: Groups, box: Lines
 ) -> None:
     """Write normals, offsets, vertices and rows of the edges, and margin, beginning and emptiness of each polygon."""
     (outward, reach, vertices, behind), (margin, first, empty) = edges, each

@@ -93,9 +93,8 @@ class Polygon(Frozen):
         vertices = hull_of(array)
         edges = np.roll(vertices, -1, axis=0) - vertices
         if len(vertices) < 3:  # a point or a segment: bounded by caps, too
-            along = edges[0] if len(vertices) == 2 else np.array([1.0, 0.0])
-            edges = np.array([along, [-along[1], along[0]], -along, [along[1], -along[0]]])
-            vertices = vertices[[0, 1, 1, 0]] if len(vertices) == 2 else vertices[[0, 0, 0, 0]]
+            x, y = edges[0] if len(vertices) == 2 else (1.0, 0.0)
+            edges, vertices = np.array([[x, y], [-y, x], [-x, -y], [y, -x]]), vertices[[0, -1, -1, 0]]
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
         return cls._of(normals, (array @ normals.T).max(axis=0), vertices)
 

@@ -13,14 +13,8 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
     """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
 
     Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
-    the budget, or all that went add no more than the allowance.
-
-    Args:
-        normals: (e, 2) counter-clockwise.
-        offsets: (e,) best from a point inside, for the rounding [m].
-        removable: (e,) the others stay, and count nothing.
-        budget: How many of them may stay.
-        allowance: How much area may be added anyway [m2]; negative for none.
+    the budget, or all that went add no more than the allowance [m2], none if that is negative. Edges that are not removable
+    stay, and count nothing. Normals are counter-clockwise, offsets best from a point inside, for the rounding [m].
     """
     count = len(offsets)
     keep = np.ones(count, dtype=np.bool_)

@@ -126,19 +126,18 @@ class Offsets(Frozen):
         """(n, 2) deviations of offset [rad] and delay [s]."""
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2)[:, 3:])
 
-    def moved(self, moves: Sequence[tuple[Array, Array, Array]], duration: float, rules: Alignment) -> Offsets:
-        """Return the estimates after moves: path and turn, least and greatest, of each robot, bound of direction and slip."""
-        mean, covariance, rate = self.mean.copy(), self.covariance.copy(), self.rate.copy()
+    def moved(self, distance: Array, turn: Array, aside: Array, duration: float, rules: Alignment) -> Offsets:
+        """Return the estimates after moves of least and greatest path and turn, with bounds of direction and slip, (n, 2)."""
+        mean, covariance, (direction, slip) = self.mean.copy(), self.covariance.copy(), aside.T
         whole, lately = max(duration, 1e-9), duration / (duration + LATELY)
+        way, turned, twist = distance.mean(axis=1), turn.mean(axis=1), np.ptp(turn, axis=1) / 2
+        across = slip + np.abs(distance).max(axis=1) * np.minimum(1.0, direction)
         lasting, wander = max(rules.lasting, duration) / whole, np.square([rules.wander, rules.drift]) * duration
-        for robot in np.flatnonzero(self.running).tolist():
-            distance, turn, aside = moves[robot]
-            path, twist = (distance[1] - distance[0]) / 2, (turn[1] - turn[0]) / 2
-            across = aside[1] + np.abs(distance).max() * min(1.0, aside[0])
-            noise = np.array([*(lasting * np.square([path + aside[1], across, twist])), *wander])
-            rate[robot] += lately * (turn.mean() / whole - rate[robot])
-            chord = distance.mean() * np.sinc(turn.mean() / 2 / np.pi)
-            _drive(mean[robot], covariance[robot], chord, turn.mean(), noise)
+        noise = lasting * np.square([np.ptp(distance, axis=1) / 2 + slip, across, twist])
+        chord = way * np.sinc(turned / 2 / np.pi)
+        for robot in np.flatnonzero(self.running):
+            _drive(mean[robot], covariance[robot], chord[robot], turned[robot], np.append(noise[:, robot], wander))
+        rate = np.where(self.running, self.rate + lately * (turned / whole - self.rate), self.rate)
         return replace(self, mean=mean, covariance=covariance, rate=rate)
 
     def seen(self, sightings: Sequence[Sighting], landmarks: Array, excluded: Mask, rules: Alignment) -> Offsets:

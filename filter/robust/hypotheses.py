@@ -2,9 +2,9 @@
 
 A vote is what one pair says in a while: sightings of one target by one robot, seconds apart at most, are right or wrong
 together, as a barcode is misread for some frames in a row and a robot that stands repeats its error. A slice that has to agree
-with every vote is AGREED. When a vote opens, the agreed slices are copied; the copies do without that vote, but have to agree
-with all others. So the truth is in the agreed slices if no vote is wrong, and in one of all slices if at most one is: the
-relaxed intersection (Jaulin, Robust set-membership state estimation, Automatica 2009) by recursion.
+with every vote is AGREED. When a vote opens, the agreed slices are copied; the copies do without that vote, but not without
+others. So the truth is in the agreed slices if no vote is wrong, and in one of all slices if at most one is: the relaxed
+intersection (Jaulin, Robust set-membership state estimation, Automatica 2009) by recursion.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask, Table
-from filter.errors import InvalidInput
-from filter.geometry.polygon import Polygon, clip
+from filter.geometry.polygon import Polygon
 from filter.robust.slices import COUNT, DIRECTIONS, QUARTER, regrid
 
 AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over
@@ -65,10 +64,10 @@ class Hypotheses(Table):
         some = low <= high
         return Hypotheses(names[np.nonzero(some)[0]], low[some], high[some], reach[some])
 
-    def stretched(self, cells: int) -> bool:
-        """Return whether the slices have become wide."""
-        width, cell = self.high - self.low, 2 * np.pi / cells
-        return bool(width.mean() > STRETCHED * cell or width.max() > 2 * STRETCHED * cell)
+    def refitted(self, cells: int) -> Hypotheses:
+        """Return the same set, cut anew if its slices have become wide."""
+        width, wide = self.high - self.low, STRETCHED * 2 * np.pi / cells
+        return self.cut_anew(cells) if len(self) and (width.mean() > wide or width.max() > 2 * wide) else self
 
     def hull(self) -> Array:
         """Return (COUNT,) supports of the polygon around all positions [m]."""
@@ -89,11 +88,8 @@ class Hypotheses(Table):
 
 
 def polygon_of(reach: Array) -> Polygon:
-    """Return the polygon with these supports (COUNT,) [m]; InvalidInput if it is none."""
-    clipped = clip(DIRECTIONS, reach, -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]])
-    if clipped is None:
-        raise InvalidInput("supports of a polygon", reach.tolist())
-    return clipped[0]
+    """Return the polygon with these supports (COUNT,) [m]."""
+    return Polygon.from_half_planes(DIRECTIONS, reach, -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]])
 
 
 def reach_of(polygon: Polygon) -> Array:

@@ -18,7 +18,7 @@ from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
 from filter.robust.merging import Merging
 from filter.robust.sightings import FARTHEST, sightings_in
-from filter.robust.slices import move, stay_within
+from filter.robust.slices import move
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Rules, Votes
 from filter.team import Team
@@ -31,10 +31,8 @@ class RobustFilter:
     """Keeps a belief about a team that contains the truth although some measurements are wrong.
 
     The guarantee: every robot is in its region if odometry keeps its bounds and, of the votes on it (see
-    `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong.
-
-    Raises InvalidInput if an attribute is of another type, the cells are too few or too many, or a finite side of the arena or
-    a landmark is beyond 1e6 m.
+    `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong. Raises InvalidInput if an
+    attribute is not as it should be, or a finite side of the arena or a landmark is beyond 1e6 m.
 
     Attributes:
         team: The robots, the landmarks and their limits.
@@ -51,10 +49,8 @@ class RobustFilter:
     cells: int = 72
 
     def __post_init__(self) -> None:
-        instance("team", self.team, Team)
-        instance("rules", self.rules, Rules)
-        instance("suspicion", self.suspicion, Suspicion)
-        instance("alignment", self.alignment, Alignment)
+        for name, kind in (("team", Team), ("rules", Rules), ("suspicion", Suspicion), ("alignment", Alignment)):
+            instance(name, getattr(self, name), kind)
         settle(self, cells=whole_number("cells of the circle", self.cells, 8, MOST_CELLS))
         _near("landmarks", self.team.landmarks)
         _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
@@ -65,7 +61,7 @@ class RobustFilter:
         Known are (n) polygons around the robots and arcs around their headings, or None if nothing is known of these. Raises
         InvalidInput if they are none, not as many as the robots, empty, or beyond 1e6 m.
         """
-        begin, robots = number("time [s]", time), self.team.robots
+        begin, robots, bodies = number("time [s]", time), self.team.robots, self.team.robots + len(self.team.landmarks)
         polygons, known = self.team.initial(positions, headings)
         for polygon in polygons:
             _near("initial polygons", polygon.vertices)
@@ -73,10 +69,9 @@ class RobustFilter:
             Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
             for polygon, centre, bound in zip(polygons, known.centre.tolist(), known.bound.tolist(), strict=True)
         )
-        votes = Votes.none(robots, robots + len(self.team.landmarks), begin)
-        trust = Trust.full(robots, robots + len(self.team.landmarks), begin)
-        offsets, never = Offsets.none(robots, begin), np.full(robots, -np.inf)
-        return RobustBelief(begin, sets, votes, trust, offsets, -never, never, never)
+        nothing = Votes.none(robots, bodies, begin), Trust.full(robots, bodies, begin), Offsets.none(robots, begin)
+        never = np.full(robots, -np.inf)
+        return RobustBelief(begin, sets, *nothing, -never, never, never)
 
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time, after the robots have moved.
@@ -90,12 +85,11 @@ class RobustFilter:
         """
         self._check(belief)
         time = self.team.check_motion(belief.time, time, odometry)
-        moves = _moves(odometry, self.team, time - belief.time)
-        offsets = belief.offsets.moved(moves, time - belief.time, self.alignment)
-        for robot in np.flatnonzero(belief.offsets.turned).tolist():  # its slices are of the camera's heading
-            distance, turn, aside = moves[robot]
-            moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
-        sets = tuple(self._moved(known, *way) for known, way in zip(belief.sets, moves, strict=True))
+        distance, turn, aside = _moves(odometry, self.team, time - belief.time)
+        offsets = belief.offsets.moved(distance, turn, aside, time - belief.time, self.alignment)
+        aside[belief.offsets.turned, 0] = np.pi / 2  # their slices are of the camera's heading
+        moves = (partial(move, *way, self.arena) for way in zip(distance, turn, aside, strict=True))
+        sets = tuple(known.cut(cut).refitted(self.cells) for known, cut in zip(belief.sets, moves, strict=True))
         after = replace(belief, time=time, sets=sets, offsets=offsets)
         return Merging(after, self.team, self.rules, self.cells, self.arena).left()
 
@@ -105,13 +99,6 @@ class RobustFilter:
         bodies, known = self.team.robots + len(self.team.landmarks), len(belief.trust.identity)
         if known != bodies:
             raise InvalidInput(f"a belief about a team of {bodies} robots and landmarks", f"one of {known}")
-
-    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
-        """Return where in the arena a robot can be after a move; nothing is left if a bound was broken before."""
-        low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
-        move(distance, turn, aside, low, high, reach)
-        moved = Hypotheses(known.without, low, high, reach).cut(partial(stay_within, self.arena))
-        return moved.cut_anew(self.cells) if len(moved) and moved.stretched(self.cells) else moved
 
     def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
         """Return the belief after merging measurements taken at its time, in any order.
@@ -139,15 +126,13 @@ def _near(name: str, places: Array) -> None:
         raise InvalidInput(expected, f"{np.abs(places).max():g} m")
 
 
-def _moves(odometry: Odometry | None, team: Team, duration: float) -> list[tuple[Array, Array, Array]]:
-    """Return each robot's least and greatest path and turn, and the bound of its direction and its slip."""
-    free = np.zeros(2), np.array([-1.0, 1.0]) * team.turn_rate_limit * duration, np.array([0.0, team.speed_limit * duration])
-    moves = [free] * team.robots
+def _moves(odometry: Odometry | None, team: Team, duration: float) -> tuple[Array, Array, Array]:
+    """Return least and greatest path and turn, (n, 2) each, and the bounds of direction and slip, (n, 2), of each robot."""
+    both, each = np.array([-1.0, 1.0]), (team.robots, 1)
+    distance, turn = np.zeros((team.robots, 2)), np.tile(both * team.turn_rate_limit * duration, each)
+    aside = np.tile([0.0, team.speed_limit * duration], each)
     if odometry is not None:
-        both = np.array([-1.0, 1.0])
-        distance = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
-        turn = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
-        aside = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
-        for k, robot in enumerate(odometry.robot.tolist()):
-            moves[robot] = distance[k], turn[k], aside[k]
-    return moves
+        distance[odometry.robot] = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
+        turn[odometry.robot] = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
+        aside[odometry.robot] = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
+    return distance, turn, aside

@@ -1,17 +1,16 @@
 """Sets of poses cut into slices of heading: arcs with a polygon each, and the compiled arithmetic on them.
 
-A wide heading is coupled to the position: where the heading is, say, 10 degrees, a landmark's bearing puts the robot here;
-where it is 30 degrees, over there. So a set of poses is covered by slices, each the product of a narrow arc and of the
-polygon of positions that go with it (the subpavings of interval analysis; Jaulin et al., Applied Interval Analysis, 2001).
+A wide heading is coupled to the position: where it is 10 degrees, a landmark's bearing puts the robot here; where it is 30
+degrees, over there. So a set of poses is covered by slices, each the product of a narrow arc and of the polygon of positions
+that go with it (the subpavings of interval analysis; Jaulin et al., Applied Interval Analysis, 2001).
 
-All polygons have edges in the same directions and are given by their supports (COUNT,): how far they reach in each [m]. Then
-the hull of two polygons is the greater of their supports, the sum of two sets is the sum of them, and all slices are one
-array. What is cut by other half-planes is replaced by the smallest such polygon around it. Every operation errs outward,
-rounding included.
+All polygons have edges in the same directions and are given by their supports (COUNT,), how far they reach in each [m]: the
+hull of two is the greater of their supports, the sum of two sets the sum of them. What is cut by other half-planes is replaced
+by the smallest such polygon around it. Every operation errs outward, rounding included.
 
-Slices are their first and last headings, low (s,) and high (s,) [rad], and the supports of their polygons, reach (s, COUNT)
-[m]. What moves or cuts them takes these at the end, for `functools.partial`, and works in place; a cut returns which slices are
-left, (s,). A sector (4,) is a bearing in the robot's frame and its bound [rad], least and greatest range [m].
+Slices are their first and last headings, low (s,) and high (s,) [rad], and their polygons, reach (s, COUNT) [m]. What cuts them
+takes these last, cuts in place, and returns which slices are left, (s,). A sector (4,) is a bearing in the robot's frame and
+its bound [rad], least and greatest range [m].
 """
 
 from __future__ import annotations
@@ -60,11 +59,11 @@ def sector_supports(centre: float, bound: float, nearest: float, farthest: float
 
 
 @compiled
-def move(distance: Array, turn: Array, aside: Array, low: Array, high: Array, reach: Array) -> None:
-    """Move slices by one robot's odometry: the trapezoid of each slice's own arc is added, its arc turned.
+def move(distance: Array, turn: Array, aside: Array, arena: Array, low: Array, high: Array, reach: Array) -> Mask:
+    """Move slices by one robot's odometry, within an arena: the trapezoid of each slice's own arc is added, its arc turned.
 
     Path, negative backwards [m], and turn [rad] are the least and the greatest, (2,); aside are the bound of the motion's
-    direction [rad] and the radius of the disc of slip [m].
+    direction [rad] and the radius of the disc of slip [m]; the arena is given by its supports.
     """
     bend = min(np.pi / 2, max(abs(turn[0]), abs(turn[1])) / 2 + aside[0])
     wide = (turn[1] - turn[0]) / 4 + aside[0] + ANGLE_ROUNDING
@@ -83,6 +82,7 @@ def move(distance: Array, turn: Array, aside: Array, low: Array, high: Array, re
             reach[k, m] += step[m] + aside[1] + 4 * EPSILON * abs(reach[k, m])
         low[k] += turn[0] - ANGLE_ROUNDING * (1 + abs(low[k]))
         high[k] += turn[1] + ANGLE_ROUNDING * (1 + abs(high[k]))
+    return stay_within(arena, low, high, reach)
 
 
 @compiled
@@ -161,9 +161,8 @@ def see_body(body: Array, sector: Array, low: Array, high: Array, reach: Array) 
 
     With d in the sector, x = x_body - d: the sum of the body's polygon and the sector turned round.
     """
-    left = np.ones(len(low), dtype=np.bool_)
+    left, apart = np.ones(len(low), dtype=np.bool_), np.empty(COUNT)
     rows, bare = np.empty((0, 2)), np.empty(0)
-    apart = np.empty(COUNT)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
         supports = sector_supports(centre + np.pi, bound, sector[2], sector[3])
@@ -211,9 +210,9 @@ def regrid(grid: tuple[Array, Array, Array], group: Integers, low: Array, high: 
     What is enlarged is the grid, low, high and reach of the slices of all cells in a circle (groups, cells), where inf and -inf
     are nothing. Slices of different groups (s,), numbers from 0 on, are not put together.
     """
-    first, last, farthest = grid
+    (first, last, farthest), turn = grid, 2 * np.pi
     cells = first.shape[1]
-    width, turn = 2 * np.pi / cells, 2 * np.pi
+    width = turn / cells
     for k in range(len(low)):
         # What is a hair over an edge stays with its cell, or neighbours would be put together again and again.
         top = min(high[k], low[k] + turn)

@@ -104,7 +104,7 @@ def _guilty(sightings: Pair, lately: Pair, aside: tuple[Mask, Mask], rules: Susp
     first contradicted without agreeing again. A camera is not, as a robot that is lost contradicts everything at once.
     Sightings are given by their weight, of all and of those that were contradicted, (n, b) each.
     """
-    seen, struck = sightings
+    (seen, struck), (seen_lately, struck_lately) = sightings, lately
     camera, identity = (
         sensors & ((struck.sum(axis) >= rules.mercy) | (struck.sum(axis) >= rules.share / 2 * seen.sum(axis)))
         for sensors, axis in zip(aside, (1, 0), strict=True)
@@ -113,7 +113,7 @@ def _guilty(sightings: Pair, lately: Pair, aside: tuple[Mask, Mask], rules: Susp
         # What is laid to the charge of one that is put aside does not count against the other.
         counts = ~(camera[:, None] | identity)
         cameras = _charges(seen * counts, struck * counts, 1, rules)
-        identities = _charges(lately[0] * counts, lately[1] * counts, 0, rules)
+        identities = _charges(seen_lately * counts, struck_lately * counts, 0, rules)
         if not (cameras.any() or identities.any()):
             return camera, identity
         guilty, shares = (camera, cameras) if cameras.max() > identities.max() else (identity, identities)

@@ -71,7 +71,7 @@ class Votes(Frozen):
     def none(cls, robots: int, bodies: int, time: float) -> Votes:
         """Return no votes yet."""
         never = np.full((robots, bodies + robots), -np.inf)
-        return cls(never, never.copy(), never.copy(), never.copy(), np.full(robots, time))
+        return cls(never, never, never, never, np.full(robots, time))
 
 
 class Poll:
@@ -100,10 +100,7 @@ class Poll:
             self.renew(robot, self.sets[robot])
 
     def cast(self, robot: int, column: int, cut: Cut, whoever: bool = False) -> Verdict:
-        """Merge a vote on a robot, a column of `Votes`; return what came of it.
-
-        It may hold whoever of several was seen, and does not rest on the identity that was read then.
-        """
+        """Merge a vote, a column of `Votes`; one that holds whoever was seen does not rest on the identity that was read."""
         known = self.sets[robot]
         bound = known.without != column
         merged = known.select(bound).cut(cut)

@@ -101,7 +101,8 @@ def test_no_motion_within_the_bounds_leaves_the_slices(seed):
     driven, turned = rng.choice([*distance, distance.mean()]), rng.choice([*turn, turn.mean()])
     way = heading + turned / 2 + aside * rng.choice([-1, 0, 1])
     moved = position + driven * np.sinc(turned / 2 / np.pi) * direction(way) + slip * direction(rng.uniform(-4, 4))
-    move(distance, turn, np.array([aside, slip]), low, high, reach)
+    anywhere = supports([[-99, -99], [99, 99], [-99, 99], [99, -99]])
+    assert move(distance, turn, np.array([aside, slip]), anywhere, low, high, reach).all()
     assert holds(low, high, reach, moved, heading + turned)
 
 

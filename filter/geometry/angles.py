@@ -1,7 +1,7 @@
 """Angles and angular intervals, with everything that wraps.
 
-All angles are radians, counter-clockwise, wrapped to (-pi, pi]. Intervals are sets: each operation returns an interval
-that contains every angle the exact operation could give, rounding included.
+All angles are radians, counter-clockwise, wrapped to (-pi, pi]. Intervals are sets: each operation returns an interval that
+contains every angle the exact operation could give, rounding included.
 """
 
 from __future__ import annotations
@@ -32,11 +32,7 @@ ANGLE_ROUNDING = 1e-14
 
 
 def wrap(angle: Floats) -> Array:
-    """Return the angle(s) wrapped to (-pi, pi] [rad], any shape; NaN for one that is not finite.
-
-    Raises:
-        InvalidInput: They are no numbers.
-    """
+    """Return angles of any shape wrapped to (-pi, pi] [rad], NaN for one that is not finite; InvalidInput if they are none."""
     array = floats("angles [rad]", angle)
     inside = (-np.pi < array) & (array <= np.pi)  # as it is, to the last bit
     with np.errstate(invalid="ignore"):
@@ -45,14 +41,11 @@ def wrap(angle: Floats) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class AngularIntervals:
-    """Arcs of the circle, `centre +- bound`.
+    """Arcs of the circle, `centre +- bound`. Raises InvalidInput if a value is not finite, or the columns differ in length.
 
     Attributes:
         centre: (k,) middle of each arc [rad], in (-pi, pi].
         bound: (k,) half-width of each arc [rad]; pi is the whole circle, a negative one the empty set.
-
-    Raises:
-        InvalidInput: A value is not finite, or the columns are not of one length.
     """
 
     centre: Array
@@ -72,11 +65,7 @@ class AngularIntervals:
 
     @classmethod
     def circles(cls, count: int) -> AngularIntervals:
-        """Return so many whole circles: nothing is known.
-
-        Raises:
-            InvalidInput: It is no whole number, or too large.
-        """
+        """Return so many whole circles: nothing is known. Raises InvalidInput if that is no whole number, or too large."""
         arcs = whole_number("number of arcs", count, 0, MOST_ROBOTS)
         return cls(np.zeros(arcs), np.full(arcs, np.pi))
 
@@ -116,18 +105,16 @@ class AngularIntervals:
         return self.bound >= np.pi
 
     def contains(self, angle: Floats) -> Mask:
-        """Return (k,) whether each arc contains the angle, or its own of (k,) angles [rad]; none one that is not finite.
+        """Return (k,) whether each arc contains the angle, or its own of (k,) angles [rad]; not one that is not finite.
 
-        Raises:
-            InvalidInput: They are no angles, or not one for each arc.
+        Raises InvalidInput if they are no angles, or not one for each arc.
         """
         return np.abs(wrap(self._each("angles [rad]", floats("angles [rad]", angle)) - self.centre)) <= self.bound
 
     def turned(self, by: Floats, bound: Floats = 0.0) -> AngularIntervals:
         """Return the arcs after a turn by `by +- bound` [rad]: {a + t}.
 
-        Raises:
-            InvalidInput: A value is not finite, a bound is negative, or there is not one for each arc.
+        Raises InvalidInput if a value is not finite, a bound is negative, or there is not one for each arc.
         """
         turn = self._each("turns [rad]", finite("turns [rad]", by))
         wider = self._each("bounds of turns [rad]", finite("bounds of turns [rad]", bound, 0))
@@ -141,10 +128,8 @@ class AngularIntervals:
     def intersection(self, other: AngularIntervals) -> AngularIntervals:
         """Return the smallest arcs that contain what each pair of arcs has in common.
 
-        Two wide arcs can meet at both ends; the result then is their hull inside the narrower one (errs outward).
-
-        Raises:
-            InvalidInput: The others are no arcs, or not as many.
+        Two wide arcs can meet at both ends; the result then is their hull inside the narrower one (errs outward). Raises
+        InvalidInput if the others are no arcs, or not as many.
         """
         instance("other arcs", other, AngularIntervals)
         if len(other) != len(self):
@@ -156,12 +141,11 @@ class AngularIntervals:
 def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> Array:
     """Return (2, k) centres and bounds."""
     arcs = np.empty((2, len(centre)))
-    centres, bounds = arcs[0], arcs[1]
     for k in range(len(centre)):
         turned = centre[k] + by[k]
         outward = ANGLE_ROUNDING * (1 + abs(by[k]) + abs(turned))
-        centres[k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
-        bounds[k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
+        arcs[0, k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
+        arcs[1, k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
     return arcs
 
 

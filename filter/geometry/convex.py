@@ -11,26 +11,17 @@ from filter.arrays import Array, Integers
 from filter.compiled import compiled
 
 EPSILON = float(np.finfo(float).eps)
-# What is divided by is never smaller.
-SMALLEST = 1e-100
-
-
+SMALLEST = 1e-100  # what is divided by is never smaller
 Lines = tuple[Array, Array]  # normals (k, 2), of length 1 to rounding, and offsets (k,) [m]
 Room = tuple[Array, Array, Integers, Integers, Array]  # vertices and what is behind, before and after a cut; how far beyond
 
 
 @compiled
 def clip_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Array, Integers, float]:
-    """Cut a box by half-planes, one after the other (Sutherland and Hodgman, 1974).
+    """Cut a box with lower and upper corner (2,) [m] by half-planes, one after the other (Sutherland and Hodgman, 1974).
 
     A vertex is cut away only where rounding leaves no doubt that it is outside, and new vertices lie outward of the cut
-    by as much; half-planes that cut nothing are left out.
-
-    Args:
-        normals: (k, 2), of length 1 to rounding.
-        offsets: (k,) [m].
-        lower: (2,) corner of the box [m].
-        upper: (2,) corner of the box [m].
+    by as much; half-planes that cut nothing are left out. Normals (k, 2) are of length 1 to rounding, offsets (k,) [m].
 
     Returns:
         Vertices (e, 2); the half-plane behind each edge (e,), from k on the box's right, top, left and bottom side;
@@ -191,11 +182,8 @@ def centroid_of(vertices: Array) -> tuple[float, float]:
 def span_of(vertices: Array, margin: float) -> tuple[float, float]:
     """Return centre and bound of an arc that contains the direction from the origin to every point; errs outward [rad].
 
-    The bound is pi when the origin is inside, or so near that no direction is excluded for sure.
-
-    Args:
-        vertices: (e, 2) [m].
-        margin: The hull of the vertices widened by this is meant [m].
+    What is meant is the hull of the vertices (e, 2), widened by the margin [m]. The bound is pi when the origin is inside,
+    or so near that no direction is excluded for sure.
     """
     size = 0.0
     for k in range(len(vertices)):

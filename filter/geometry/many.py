@@ -12,8 +12,10 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, Lists, Mask, chosen, read_only
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON, area_of, clip_into, clip_room, side_of_box, span_of
+from filter.geometry.convex import EPSILON, Lines, area_of, clip_into, clip_room, side_of_box, span_of
 from filter.geometry.polygon import Polygon
+
+Groups = tuple[Integers, Integers]  # where each of g groups begins and ends, (g,) and (g,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +23,7 @@ class Polygons(Lists, Sequence[Polygon]):
     """Polygons laid end to end: the edges of polygon k are first[k] to first[k + 1].
 
     Attributes:
-        normals: (e, 2) as in `Polygon`.
-        offsets: (e,) [m].
-        vertices: (e, 2) [m].
-        margin: (n,) [m].
+        normals: (e, 2) as in `Polygon`, as are offsets (e,), vertices (e, 2) and margin (n,) [m].
         first: (n + 1,) where the edges of each begin.
     """
 
@@ -38,10 +37,9 @@ class Polygons(Lists, Sequence[Polygon]):
     @classmethod
     def of(cls, polygons: Sequence[Polygon]) -> Polygons:
         """Return single polygons laid end to end."""
+        none, each = (np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2))), ((p.normals, p.offsets, p.vertices) for p in polygons)
+        normals, offsets, vertices = map(np.concatenate, zip(none, *each, strict=True))
         first = np.cumsum([0, *(len(polygon.offsets) for polygon in polygons)])
-        normals = np.concatenate([np.zeros((0, 2)), *(polygon.normals for polygon in polygons)])
-        vertices = np.concatenate([np.zeros((0, 2)), *(polygon.vertices for polygon in polygons)])
-        offsets = np.concatenate([np.zeros(0), *(polygon.offsets for polygon in polygons)])
         return cls(normals, offsets, vertices, np.array([polygon.margin for polygon in polygons], dtype=float), first)
 
     @overload
@@ -86,10 +84,7 @@ class Polygons(Lists, Sequence[Polygon]):
         return Polygons(sign * self.normals, self.offsets, sign * self.vertices, self.margin, self.first)
 
     def spans(self) -> AngularIntervals:
-        """Return (n) arcs that contain the directions from the origin to every point of each polygon; they err outward [rad].
-
-        The bound is pi where the origin is inside, or so near that no direction is excluded for sure.
-        """
+        """Return (n) arcs that contain the directions from the origin to every point of each polygon, see `span_of` [rad]."""
         return AngularIntervals(*_spans(self.vertices, self.margin, self.first).T)
 
 
@@ -108,34 +103,20 @@ class Clipped(Frozen):
     empty: Mask
 
 
-def clip_boxes(normals: Array, offsets: Array, groups: tuple[Integers, Integers], lower: Array, upper: Array) -> Clipped:
-    """Cut each of g boxes by its own group of half-planes, as `clip_box` does.
-
-    Args:
-        normals: (r, 2) of length 1 to rounding.
-        offsets: (r,) [m].
-        groups: Where each group begins and ends among the half-planes, (g,) and (g,).
-        lower: (g, 2) corners of the boxes [m].
-        upper: (g, 2) corners of the boxes [m].
-    """
+def clip_boxes(normals: Array, offsets: Array, groups: Groups, lower: Array, upper: Array) -> Clipped:
+    """Cut each of g boxes with corners (g, 2) by its own group of r half-planes, as `clip_box` does [m]."""
     begin, end = groups
     most, count = int((end - begin).sum()) + 4 * len(begin), len(begin)
     lines, vertices, behind = (np.empty((most, 2)), np.empty(most)), np.empty((most, 2)), np.empty(most, dtype=np.int64)
     margin, first, empty = np.empty(count), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool)
     _clip((*lines, vertices, behind), (margin, first, empty), (normals, offsets), groups, (lower, upper))
-    edges = slice(first[-1])
-    normals_of, offsets_of, corners = (column[edges].copy() for column in (*lines, vertices))
-    outlines = Polygons(normals_of, offsets_of, corners, margin, first)
-    return Clipped(outlines, behind[edges].copy(), empty)
+    outward, reach, corners = (column[: first[-1]].copy() for column in (*lines, vertices))
+    return Clipped(Polygons(outward, reach, corners, margin, first), behind[: first[-1]].copy(), empty)
 
 
 @compiled
 def _clip(
-    edges: tuple[Array, Array, Array, Integers],
-    each: tuple[Array, Integers, Mask],
-    lines: tuple[Array, Array],
-    groups: tuple[Integers, Integers],
-    box: tuple[Array, Array],
+    edges: tuple[Array, Array, Array, Integers], each: tuple[Array, Integers, Mask], lines: Lines, groups: Groups, box: Lines
 ) -> None:
     """Write normals, offsets, vertices and rows of the edges, and margin, beginning and emptiness of each polygon."""
     (outward, reach, vertices, behind), (margin, first, empty) = edges, each

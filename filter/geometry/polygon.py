@@ -15,26 +15,22 @@ from filter.arrays import Array, Floats, Frozen, Integers, Mask, finite, floats,
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON, area_of, centroid_of, clip_box_into, hull_of
 
-# Sides of a box in the order of its edges: right, top, left, bottom.
-SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-# What is made by hand is right to this share of its size.
-BY_HAND = 1e-9
+SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])  # of a box, in the order of its edges
+BY_HAND = 1e-9  # what is made by hand is right to this share of its size
 
 
 @dataclass(frozen=True, eq=False)
 class Polygon(Frozen):
     """A bounded convex polygon; a segment and a point are polygons too.
 
-    Made by `box`, `from_vertices` or `from_half_planes`, as a rule; one that is made by hand is looked at.
+    Made by `box`, `from_vertices` or `from_half_planes`, as a rule. One that is made by hand is looked at: InvalidInput is
+    raised if a value is not finite, or edges and vertices do not go round one bounded polygon.
 
     Attributes:
         normals: (e, 2) outward normals of the edges, of length 1 to rounding, counter-clockwise.
         offsets: (e,) the polygon is {x : normals x <= offsets} [m].
         vertices: (e, 2) counter-clockwise; vertex k is where edge k begins [m].
         margin: The hull of the vertices widened by this contains the polygon [m].
-
-    Raises:
-        InvalidInput: A value is not finite, or edges and vertices do not go round one bounded polygon.
     """
 
     normals: Array
@@ -48,7 +44,7 @@ class Polygon(Frozen):
         if offsets.ndim != 1 or not normals.shape == vertices.shape == (len(offsets), 2):
             shapes = f"shapes {normals.shape}, {offsets.shape} and {vertices.shape}"
             raise InvalidInput("a normal (2,), an offset and a vertex (2,) for each edge of a polygon", shapes)
-        if not _goes_round(normals) or _off_edges(normals, offsets, vertices) > 2 * margin:
+        if not _fit(normals, offsets, vertices, margin):
             expected = "normals of length 1, once round counter-clockwise, each vertex where an edge ends and the next begins"
             raise InvalidInput(f"{expected} (see Polygon.from_half_planes)", f"{len(offsets)} edges that bound no such set")
         settle(self, normals=normals, offsets=offsets, vertices=vertices, margin=margin)
@@ -64,11 +60,7 @@ class Polygon(Frozen):
 
     @classmethod
     def box(cls, lower: Floats, upper: Floats) -> Polygon:
-        """Return the rectangle between two corners, each (2,) [m].
-
-        Raises:
-            InvalidInput: A corner is not finite, or a lower one is above the upper one (an empty set).
-        """
+        """Return the rectangle between two corners (2,) [m]; InvalidInput if one is not finite, or lower is above upper."""
         low, high = finite("lower corner [m]", lower), finite("upper corner [m]", upper)
         if low.shape != (2,) or high.shape != (2,) or (low > high).any():
             corners = f"{low.tolist()}, {high.tolist()}"
@@ -80,8 +72,7 @@ class Polygon(Frozen):
     def from_vertices(cls, points: Floats) -> Polygon:
         """Return a polygon around the convex hull of (k, 2) points [m]; it errs outward by rounding.
 
-        Raises:
-            InvalidInput: There is no point (an empty set), or a coordinate is not finite.
+        Raises InvalidInput if there is no point (an empty set), or a coordinate is not finite.
         """
         hull = cls.hull(points)
         lower, upper = hull.bounds
@@ -94,8 +85,7 @@ class Polygon(Frozen):
     def hull(cls, points: Floats) -> Polygon:
         """Return the convex hull of (k, 2) points [m]; its vertices are among them, its half-planes right to rounding.
 
-        Raises:
-            InvalidInput: There is no point (an empty set), or a coordinate is not finite.
+        Raises InvalidInput if there is no point (an empty set), or a coordinate is not finite.
         """
         array = finite("vertices [m]", points)
         if array.ndim != 2 or array.shape[1] != 2 or not len(array):
@@ -103,9 +93,8 @@ class Polygon(Frozen):
         vertices = hull_of(array)
         edges = np.roll(vertices, -1, axis=0) - vertices
         if len(vertices) < 3:  # a point or a segment: bounded by caps, too
-            along = edges[0] if len(vertices) == 2 else np.array([1.0, 0.0])
-            edges = np.array([along, [-along[1], along[0]], -along, [along[1], -along[0]]])
-            vertices = vertices[[0, 1, 1, 0]] if len(vertices) == 2 else vertices[[0, 0, 0, 0]]
+            x, y = edges[0] if len(vertices) == 2 else (1.0, 0.0)
+            edges, vertices = np.array([[x, y], [-y, x], [-x, -y], [y, -x]]), vertices[[0, -1, -1, 0]]
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(edges[:, 0], edges[:, 1])[:, None]
         return cls._of(normals, (array @ normals.T).max(axis=0), vertices)
 
@@ -113,14 +102,8 @@ class Polygon(Frozen):
     def from_half_planes(cls, normals: Floats, offsets: Floats, lower: Floats, upper: Floats) -> Polygon:
         """Return the part of a box that lies in all half-planes {x : normals x <= offsets}.
 
-        Args:
-            normals: (k, 2) of any length.
-            offsets: (k,) [m].
-            lower: (2,) corner of the box [m].
-            upper: (2,) corner of the box [m].
-
-        Raises:
-            InvalidInput: Nothing is left, the box is not one, or a value is not finite.
+        Normals (k, 2) are of any length, offsets (k,) and the corners of the box (2,) in [m]. Raises InvalidInput if nothing is
+        left, the box is not one, or a value is not finite.
         """
         across, offset = finite("normals", normals), np.atleast_1d(finite("offsets [m]", offsets))
         if across.size == 0 == offset.size:
@@ -148,11 +131,7 @@ class Polygon(Frozen):
         return self.vertices.min(axis=0) - self.margin, self.vertices.max(axis=0) + self.margin
 
     def contains(self, points: Floats) -> Mask:
-        """Return whether (..., 2) points satisfy every half-plane; one that is not finite does not.
-
-        Raises:
-            InvalidInput: They are no points.
-        """
+        """Return whether (..., 2) points satisfy every half-plane, none that is not finite; InvalidInput if they are none."""
         places = floats("points [m]", points)
         if not places.ndim or places.shape[-1] != 2:
             raise InvalidInput("points as (..., 2) coordinates", f"shape {places.shape}")
@@ -160,11 +139,7 @@ class Polygon(Frozen):
             return np.all(places @ self.normals.T <= self.offsets, axis=-1)
 
     def support(self, directions: Floats) -> Array:
-        """Return (k,) upper bounds of direction . x over the polygon for (k, 2) directions [m].
-
-        Raises:
-            InvalidInput: They are no directions.
-        """
+        """Return (k,) upper bounds of direction . x over the polygon [m] for (k, 2) vectors; InvalidInput if they are none."""
         wanted = finite("directions", directions)
         if wanted.ndim != 2 or wanted.shape[1] != 2:
             raise InvalidInput("directions as (k, 2) vectors", f"shape {wanted.shape}")
@@ -172,33 +147,23 @@ class Polygon(Frozen):
         return (wanted @ self.vertices.T).max(axis=-1) + (self.margin + rounding) * np.abs(wanted).sum(axis=-1)
 
     def intersection(self, other: Polygon) -> Polygon | None:
-        """Return what two polygons have in common, or None when that is proved to be nothing.
-
-        Raises:
-            InvalidInput: The other one is no polygon.
-        """
+        """Return what two polygons have in common, None when that is proved to be nothing; InvalidInput if one is none."""
         instance("another polygon", other, Polygon)
         normals, offsets = np.concatenate([self.normals, other.normals]), np.concatenate([self.offsets, other.offsets])
         kept = clip(normals, offsets, *self.bounds)
         return kept[0] if kept else None
 
 
-def _goes_round(normals: Array) -> bool:
-    """Return whether (e, 2) normals are of length 1 and turn once round, never by half a turn: edges around a bounded set."""
+def _fit(normals: Array, offsets: Array, vertices: Array, margin: float) -> bool:
+    """Return whether edges go once round a bounded set, never by half a turn, and the vertices are on the edges they join."""
     if not len(normals) or (np.abs(np.hypot(normals[:, 0], normals[:, 1]) - 1) > BY_HAND).any():
         return False
-    before = np.roll(normals, 1, axis=0)
-    across = before[:, 0] * normals[:, 1] - before[:, 1] * normals[:, 0]
-    along = (before * normals).sum(axis=1)
-    turns = np.arctan2(across, along).sum() / (2 * np.pi)
-    return round(turns) == 1 and bool(((across > 0) | (along > 0)).all())
-
-
-def _off_edges(normals: Array, offsets: Array, vertices: Array) -> float:
-    """Return how far (e, 2) vertices are beyond any edge, or off the two edges that end and begin there, less rounding [m]."""
-    beyond, edges = vertices @ normals.T - offsets, np.arange(len(offsets))
+    before, edges = np.roll(normals, 1, axis=0), np.arange(len(normals))
+    across, along = before[:, 0] * normals[:, 1] - before[:, 1] * normals[:, 0], (before * normals).sum(axis=1)
+    once = round(np.arctan2(across, along).sum() / (2 * np.pi)) == 1 and ((across > 0) | (along > 0)).all()
+    beyond = vertices @ normals.T - offsets
     off = max(beyond.max(), -beyond[edges, edges].min(), -beyond[edges, edges - 1].min())
-    return float(off - BY_HAND * np.abs(vertices).max())
+    return bool(once and off - BY_HAND * np.abs(vertices).max() <= 2 * margin)
 
 
 def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Polygon, Integers] | None:

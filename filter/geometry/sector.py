@@ -11,10 +11,8 @@ import numpy as np
 from filter.arrays import Array
 from filter.compiled import compiled
 
-# A sector with a larger half-width, almost a half-plane, says nothing that its far side does not say [rad].
-WIDEST = 1.5
-# A sector that is so much wider than a whole number of tangents can touch, in these, needs none more.
-HAIR = 1e-5
+WIDEST = 1.5  # a sector with a larger half-width, almost a half-plane, says nothing that its far side does not say [rad]
+HAIR = 1e-5  # a sector that is so much wider than a whole number of tangents can touch, in these, needs none more
 
 
 @compiled

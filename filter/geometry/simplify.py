@@ -13,14 +13,8 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
     """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
 
     Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
-    the budget, or all that went add no more than the allowance.
-
-    Args:
-        normals: (e, 2) counter-clockwise.
-        offsets: (e,) best from a point inside, for the rounding [m].
-        removable: (e,) the others stay, and count nothing.
-        budget: How many of them may stay.
-        allowance: How much area may be added anyway [m2]; negative for none.
+    the budget, or all that went add no more than the allowance [m2], none if that is negative. Edges that are not removable
+    stay, and count nothing. Normals are counter-clockwise, offsets best from a point inside, for the rounding [m].
     """
     count = len(offsets)
     keep = np.ones(count, dtype=np.bool_)
@@ -28,10 +22,9 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
         return keep, 0.0
     before, after = np.arange(-1, count - 1), np.arange(1, count + 1)
     before[0], after[count - 1] = count - 1, 0
-    added = np.full(count, np.inf)
+    added = np.empty(count)
     for k in range(count):
-        if removable[k]:
-            added[k] = _added_area(normals, offsets, before[k], k, after[k])
+        added[k] = _added_area(normals, offsets, before[k], k, after[k]) if removable[k] else np.inf
     left, spent = removable.sum(), 0.0
     while left:
         least = -1
@@ -53,11 +46,9 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
 
 @compiled
 def vertices_worth_keeping(vertices: Array, allowance: float) -> Mask:
-    """Return which vertices of a convex polygon to keep so that little area is cut off, as above for edges.
+    """Return which of (e, 2) vertices to keep so that no more area is cut off than allowed [m2], greedily as above.
 
-    Args:
-        vertices: (e, 2) counter-clockwise; some may coincide [m].
-        allowance: How much area may be cut off in all [m2].
+    They are counter-clockwise; some may coincide [m].
     """
     count = len(vertices)
     keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)

@@ -1,17 +1,38 @@
-"""When a camera is suspected to be turned or late, and what is known of that: statistical evidence, no proof."""
+"""Whether a camera is turned or late: a robot then drives, or turns, otherwise than the bearings of the landmarks say.
+
+A camera that is turned by some degrees shows another heading, and all its sightings agree on it. Only the direction in which
+the robot drives does not, and of that a few metres tell too little for a proof from bounds. A camera whose clock is late sees
+landmarks aside whenever its robot turns. So here is an estimate beside the sets: an extended Kalman filter for each robot, with
+pose, and offset and delay of the camera, from odometry and landmarks. Its deviations are taken from the declared bounds. **It
+is evidence, no proof, and nothing of it enters a region**; it only says which camera, or which one's heading, not to believe.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from filter.arrays import Array, Frozen, Mask, positive, settle
+from filter.compiled import compiled
+from filter.geometry.angles import wrap
+from filter.robust.hypotheses import Hypotheses
+from filter.robust.sightings import Sighting
+from filter.robust.slices import QUARTER
+
+UNKNOWN = 0.8  # with a heading that is known no better than this, nothing is estimated [rad]
+FAR_OUT = 2.0  # with a position neither [m]
+JUMPED = 2  # so many landmarks in turn to the same side: the robot was bumped, or its camera
+LATELY = 0.25  # over such a time the turn rate is averaged that a late camera shows [s]
+RECENT = 0.05  # the last sighting's part in the share of those that an estimate does not explain, ...
+WRONG = 0.7  # ... which shows that it is wrong
+SINGULAR = 1e-12  # a covariance of a sighting whose determinant is no more than so large a share of the variances' product
 
 
 @dataclass(frozen=True)
 class Alignment:
-    """When a camera is suspected to be turned, or late.
+    """When a camera is suspected to be turned, or late. Raises InvalidInput if a value is out of its range.
 
     Attributes:
         share: The offset of a good camera is at most this share of a bearing's bound, as other errors come on top; in (0, 1].
@@ -27,9 +48,6 @@ class Alignment:
         clock: Deviation of a camera's delay of which nothing is known [s].
         drift: How much a delay may change in a second, by its deviation [s].
         hidden: So long after it is turned or late a camera can still look good [s].
-
-    Raises:
-        InvalidInput: A value is out of its range.
     """
 
     share: float = 0.6
@@ -56,7 +74,8 @@ class Offsets(Frozen):
     """What motion says of n cameras.
 
     Attributes:
-        mean: (n, 5) position [m], heading, the camera's offset, positive where bearings are too large [rad], and its delay [s].
+        mean: (n, 5) position [m], heading, the camera's offset, positive where bearings are too large [rad], and its delay,
+            positive where pictures are later than commands [s].
         covariance: (n, 5, 5) of it.
         rate: (n,) how fast the robot turned lately [rad/s].
         running: (n,) whether there is an estimate.
@@ -65,7 +84,8 @@ class Offsets(Frozen):
         allowed: (n,) the bound of the robot's last bearing [rad].
         good_until: (n, 2) until when the camera looked good [s], less the time for which it can hide that it is turned or late.
         bad_since: (n, 2) since when the estimate is that of a turned or late camera [s]; infinite where it is not.
-        suspected: (n, 2) cameras that are suspected to be turned, or late.
+        suspected: (n, 2) cameras that are suspected to be turned: their bearings are not to tell a heading; or late: they are
+            not to be believed at all.
     """
 
     mean: Array
@@ -87,23 +107,13 @@ class Offsets(Frozen):
         return cls(*estimate, never[:, 0], np.full((robots, 2), time), never, nobody)
 
     @property
-    def offset(self) -> Array:
-        """(n,) estimated offsets of the cameras, positive where bearings are too large [rad]."""
-        return self.mean[:, 3]
-
-    @property
-    def delay(self) -> Array:
-        """(n,) estimated delays of the cameras, positive where they are later than the commands [s]."""
-        return self.mean[:, 4]
-
-    @property
     def turned(self) -> Mask:
-        """(n,) cameras that are suspected to be turned: their bearings are not to tell a heading."""
+        """(n,) cameras that are suspected to be turned."""
         return self.suspected[:, 0]
 
     @property
     def late(self) -> Mask:
-        """(n,) cameras that are suspected to be late: they are not to be believed at all."""
+        """(n,) cameras that are suspected to be late."""
         return self.suspected[:, 1]
 
     @property
@@ -115,3 +125,117 @@ class Offsets(Frozen):
     def deviations(self) -> Array:
         """(n, 2) deviations of offset [rad] and delay [s]."""
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2)[:, 3:])
+
+    def moved(self, distance: Array, turn: Array, aside: Array, duration: float, rules: Alignment) -> Offsets:
+        """Return the estimates after moves of least and greatest path and turn, with bounds of direction and slip, (n, 2)."""
+        mean, covariance, (direction, slip) = self.mean.copy(), self.covariance.copy(), aside.T
+        whole, lately = max(duration, 1e-9), duration / (duration + LATELY)
+        way, turned, twist = distance.mean(axis=1), turn.mean(axis=1), np.ptp(turn, axis=1) / 2
+        across = slip + np.abs(distance).max(axis=1) * np.minimum(1.0, direction)
+        lasting, wander = max(rules.lasting, duration) / whole, np.square([rules.wander, rules.drift]) * duration
+        noise = lasting * np.square([np.ptp(distance, axis=1) / 2 + slip, across, twist])
+        chord = way * np.sinc(turned / 2 / np.pi)
+        for robot in np.flatnonzero(self.running):
+            _drive(mean[robot], covariance[robot], chord[robot], turned[robot], np.append(noise[:, robot], wander))
+        rate = np.where(self.running, self.rate + lately * (turned / whole - self.rate), self.rate)
+        return replace(self, mean=mean, covariance=covariance, rate=rate)
+
+    def seen(self, sightings: Sequence[Sighting], landmarks: Array, excluded: Mask, rules: Alignment) -> Offsets:
+        """Return them after sightings of landmarks (l, 2) [m] but those whose identity is put aside, of (b,) bodies."""
+        mean, covariance, misfit = self.mean.copy(), self.covariance.copy(), self.misfit.copy()
+        astray, allowed, robots = self.astray.copy(), self.allowed.copy(), len(self.rate)
+        for robot, target, sector in sightings:
+            if target < robots or excluded[target] or sector[1] >= np.pi:  # team mates say nothing here
+                continue
+            allowed[robot] = sector[1]
+            if self.running[robot]:
+                seen = np.array([sector[0], (sector[2] + sector[3]) / 2])
+                deviations = np.array([rules.bearing * sector[1], rules.range * (sector[3] - sector[2]) / 2])
+                mine = mean[robot], covariance[robot], self.rate[robot]
+                far, aside = _see(*mine, landmarks[target - robots], seen, deviations, rules.gate)
+                misfit[robot] += RECENT * (far - misfit[robot])
+                (count, last), side = astray[robot], np.sign(aside) if abs(aside) > rules.gate else 0.0
+                count = side if side * count <= 0 else count + side * (last != target)
+                astray[robot] = (count, target) if abs(count) < JUMPED else 0.0
+                if abs(count) >= JUMPED:  # heading and offset are open, their difference is not
+                    covariance[robot, 2:4, 2:4] += rules.prior**2 * np.eye(2)
+        return replace(self, mean=mean, covariance=covariance, misfit=misfit, astray=astray, allowed=allowed)
+
+    def checked(self, sets: Sequence[Hypotheses], rules: Alignment) -> Offsets:
+        """Return them without those that are wrong or have become too wide, and begun where the sets are small enough."""
+        mean, covariance, misfit = self.mean.copy(), self.covariance.copy(), self.misfit.copy()
+        variance = np.diagonal(covariance, axis1=1, axis2=2)
+        narrow = (variance[:, :2].max(axis=1) <= FAR_OUT**2) & (variance[:, 2] <= UNKNOWN**2) & (variance >= 0).all(axis=1)
+        finite = np.isfinite(mean).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2))
+        running = self.running & narrow & finite & (misfit < WRONG)
+        for robot in np.flatnonzero(~running).tolist():
+            mean[robot], covariance[robot], hull = 0.0, 0.0, sets[robot].hull().reshape(4, QUARTER)[:, 0]
+            half, (heading, bound) = (hull[:2] + hull[2:]) / 2, sets[robot].heading()
+            if bound <= UNKNOWN and half.max() <= FAR_OUT:
+                mean[robot] = [*((hull[:2] - hull[2:]) / 2), heading, 0.0, 0.0]
+                covariance[robot] = np.diag(np.square([*half, bound, 0.0, rules.clock]))
+                covariance[robot, 2:4, 2:4] += rules.prior**2  # what is known of the heading, the camera may have said
+                running[robot], misfit[robot] = True, 0.0
+        return replace(self, mean=mean, covariance=covariance, running=running, misfit=misfit)
+
+    def judged(self, time: float, rules: Alignment) -> Offsets:
+        """Return them with cameras suspected whose offset or delay is beyond a bound for sure; no longer those that agree."""
+        mean, deviation, running = self.mean.copy(), self.deviations, self.running[:, None]
+        mean[:, 3] = wrap(mean[:, 3])  # a full turn is none
+        off, bound = np.abs(mean[:, 3:]), np.column_stack([self.allowed, np.full(len(mean), rules.tolerated_delay)])
+        known = running & (deviation < np.array([rules.prior, rules.clock]) / 2)
+        beyond = running & (off - rules.deviations * deviation > bound * [rules.share, 1.0])
+        beyond[:, 0] &= ~self.late  # whatever a late camera shows, it may be late by more
+        bad_since = np.where(beyond, np.minimum(self.bad_since, time), np.inf)
+        agrees, looks_good = known & (off + deviation <= bound), known & (off <= deviation / 2)
+        suspected = (time - bad_since >= rules.patience) | (self.suspected & ~agrees)
+        good_until = np.where(looks_good, np.maximum(self.good_until, time - rules.hidden), self.good_until)
+        return replace(self, mean=mean, good_until=good_until, bad_since=bad_since, suspected=suspected)
+
+
+@compiled
+def _drive(mean: Array, covariance: Array, chord: float, turn: float, noise: Array) -> None:
+    """Move one estimate in place by a chord; the noise (5,) is the variance along it, across it, of turn, offset and delay."""
+    way = mean[2] + turn / 2
+    x, y = np.cos(way), np.sin(way)
+    mean[0] += chord * x
+    mean[1] += chord * y
+    mean[2] += turn
+    F, Q = np.eye(5), np.diag(noise)
+    F[0, 2], F[1, 2] = -chord * y, chord * x
+    Q[0, 0], Q[1, 1] = x * x * noise[0] + y * y * noise[1], y * y * noise[0] + x * x * noise[1]
+    Q[0, 1] = Q[1, 0] = x * y * (noise[0] - noise[1])
+    covariance[:] = F @ covariance @ F.T + Q
+
+
+@compiled
+def _see(
+    mean: Array, covariance: Array, rate: float, place: Array, seen: Array, deviations: Array, gate: float
+) -> tuple[bool, float]:
+    """Merge a bearing and a range (2,) of a place (2,) into one estimate, in place; the robot turns at a rate [rad/s].
+
+    Returns:
+        Whether it is beyond the gate, and how many deviations the bearing alone is aside; what cannot be weighed is beyond it.
+    """
+    dx, dy = place[0] - mean[0], place[1] - mean[1]
+    distance = max(np.hypot(dx, dy), 1e-6)
+    H = np.zeros((2, 5))
+    H[0] = dy / distance**2, -dx / distance**2, -1.0, 1.0, rate
+    H[1, 0], H[1, 1] = -dx / distance, -dy / distance
+    off = seen[0] - (np.arctan2(dy, dx) - mean[2] + mean[3] + rate * mean[4])
+    apart = np.array([off - 2 * np.pi * np.round(off / (2 * np.pi)), seen[1] - distance])
+    R = np.diag(deviations**2)
+    S = H @ covariance @ H.T + R
+    if not S[0, 0] * S[1, 1] - S[0, 1] * S[1, 0] > SINGULAR * S[0, 0] * S[1, 1]:
+        return True, 0.0
+    aside = apart[0] / np.sqrt(S[0, 0])
+    far = float(apart @ np.linalg.solve(S, apart)) / gate**2
+    if far > 1:
+        S += (far - 1) * R
+        R *= far
+    K = np.linalg.solve(S, H @ covariance).T
+    mean += K @ apart
+    kept = np.eye(5) - K @ H
+    joseph = kept @ covariance @ kept.T + K @ R @ K.T
+    covariance[:] = (joseph + joseph.T) / 2
+    return far > 1, aside

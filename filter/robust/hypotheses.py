@@ -2,9 +2,9 @@
 
 A vote is what one pair says in a while: sightings of one target by one robot, seconds apart at most, are right or wrong
 together, as a barcode is misread for some frames in a row and a robot that stands repeats its error. A slice that has to agree
-with every vote is AGREED. When a vote opens, the agreed slices are copied; the copies do without that vote, but have to agree
-with all others. So the truth is in the agreed slices if no vote is wrong, and in one of all slices if at most one is: the
-relaxed intersection (Jaulin, Robust set-membership state estimation, Automatica 2009) by recursion.
+with every vote is AGREED. When a vote opens, the agreed slices are copied; the copies do without that vote, but not without
+others. So the truth is in the agreed slices if no vote is wrong, and in one of all slices if at most one is: the relaxed
+intersection (Jaulin, Robust set-membership state estimation, Automatica 2009) by recursion.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask, Table
-from filter.errors import InvalidInput
-from filter.geometry.polygon import Polygon, clip
+from filter.geometry.polygon import Polygon
 from filter.robust.slices import COUNT, DIRECTIONS, QUARTER, regrid
 
 AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over
@@ -61,14 +60,14 @@ class Hypotheses(Table):
         names, group = np.unique(self.without, return_inverse=True)
         grid = len(names), cells
         low, high, reach = np.full(grid, np.inf), np.full(grid, -np.inf), np.full((*grid, COUNT), -np.inf)
-        regrid(group, self.low, self.high, self.reach, (low, high, reach))
+        regrid((low, high, reach), group, self.low, self.high, self.reach)
         some = low <= high
         return Hypotheses(names[np.nonzero(some)[0]], low[some], high[some], reach[some])
 
-    def stretched(self, cells: int) -> bool:
-        """Return whether the slices have become wide."""
-        width, cell = self.high - self.low, 2 * np.pi / cells
-        return bool(width.mean() > STRETCHED * cell or width.max() > 2 * STRETCHED * cell)
+    def refitted(self, cells: int) -> Hypotheses:
+        """Return the same set, cut anew if its slices have become wide."""
+        width, wide = self.high - self.low, STRETCHED * 2 * np.pi / cells
+        return self.cut_anew(cells) if len(self) and (width.mean() > wide or width.max() > 2 * wide) else self
 
     def hull(self) -> Array:
         """Return (COUNT,) supports of the polygon around all positions [m]."""
@@ -77,8 +76,7 @@ class Hypotheses(Table):
     def heading(self) -> tuple[float, float]:
         """Return centre and bound of the narrowest arc around all headings [rad]."""
         turns = np.floor(self.low / (2 * np.pi)) * 2 * np.pi
-        low, high = self.low - turns, self.high - turns
-        low, high = np.append(low - 2 * np.pi, low), np.append(high - 2 * np.pi, high)  # the circle twice
+        low, high = (np.append(ends - turns - 2 * np.pi, ends - turns) for ends in (self.low, self.high))  # the circle twice
         order, count = np.argsort(low), len(self)
         lows, ends = low[order], np.maximum.accumulate(high[order])
         gaps = lows[count:] - ends[count - 1 : -1]  # those in front of the second circle's slices: all are behind them once
@@ -90,16 +88,8 @@ class Hypotheses(Table):
 
 
 def polygon_of(reach: Array) -> Polygon:
-    """Return the polygon with these supports (COUNT,) [m].
-
-    Raises:
-        InvalidInput: They are those of no polygon.
-    """
-    lower, upper = -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]]
-    clipped = clip(DIRECTIONS, reach, lower, upper)
-    if clipped is None:
-        raise InvalidInput("supports of a polygon", reach.tolist())
-    return clipped[0]
+    """Return the polygon with these supports (COUNT,) [m]."""
+    return Polygon.from_half_planes(DIRECTIONS, reach, -reach[[2 * QUARTER, 3 * QUARTER]], reach[[0, QUARTER]])
 
 
 def reach_of(polygon: Polygon) -> Array:

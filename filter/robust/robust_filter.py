@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,13 +14,11 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.measurements import Measurement, Odometry
 from filter.robust.belief import RobustBelief
-from filter.robust.camera_filter import Estimating
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
-from filter.robust.leaving import without_those_who_left
 from filter.robust.merging import Merging
-from filter.robust.sightings import FARTHEST, Sightings
-from filter.robust.slices import move, stay_within
+from filter.robust.sightings import FARTHEST, sightings_in
+from filter.robust.slices import move
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Rules, Votes
 from filter.team import Team
@@ -33,7 +31,8 @@ class RobustFilter:
     """Keeps a belief about a team that contains the truth although some measurements are wrong.
 
     The guarantee: every robot is in its region if odometry keeps its bounds and, of the votes on it (see
-    `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong.
+    `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong. Raises InvalidInput if an
+    attribute is not as it should be, or a finite side of the arena or a landmark is beyond 1e6 m.
 
     Attributes:
         team: The robots, the landmarks and their limits.
@@ -41,10 +40,6 @@ class RobustFilter:
         suspicion: When a camera or an identity is put aside.
         alignment: When a camera is suspected to be turned or late.
         cells: How many slices a full circle of headings has, from 8 to 10 000.
-
-    Raises:
-        InvalidInput: An attribute is of another type, the cells are too few or too many, or a finite side of the arena or a
-            landmark is beyond 1e6 m.
     """
 
     team: Team
@@ -54,27 +49,19 @@ class RobustFilter:
     cells: int = 72
 
     def __post_init__(self) -> None:
-        instance("team", self.team, Team)
-        instance("rules", self.rules, Rules)
-        instance("suspicion", self.suspicion, Suspicion)
-        instance("alignment", self.alignment, Alignment)
+        for name, kind in (("team", Team), ("rules", Rules), ("suspicion", Suspicion), ("alignment", Alignment)):
+            instance(name, getattr(self, name), kind)
         settle(self, cells=whole_number("cells of the circle", self.cells, 8, MOST_CELLS))
         _near("landmarks", self.team.landmarks)
         _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
-        """Return the belief before any measurement.
+        """Return the belief before any measurement, at a time [s].
 
-        Args:
-            time: When [s].
-            positions: (n) a polygon around each robot.
-            headings: (n) arcs around the headings, or None when nothing is known.
-
-        Raises:
-            InvalidInput: Something is no polygon or no arc, the numbers of sets and robots differ, a set is empty, or beyond
-                1e6 m.
+        Known are (n) polygons around the robots and arcs around their headings, or None if nothing is known of these. Raises
+        InvalidInput if they are none, not as many as the robots, empty, or beyond 1e6 m.
         """
-        begin, robots = number("time [s]", time), self.team.robots
+        begin, robots, bodies = number("time [s]", time), self.team.robots, self.team.robots + len(self.team.landmarks)
         polygons, known = self.team.initial(positions, headings)
         for polygon in polygons:
             _near("initial polygons", polygon.vertices)
@@ -82,10 +69,9 @@ class RobustFilter:
             Hypotheses.agreed(reach_of(polygon), centre - bound, centre + bound).cut_anew(self.cells)
             for polygon, centre, bound in zip(polygons, known.centre.tolist(), known.bound.tolist(), strict=True)
         )
-        votes = Votes.none(robots, robots + len(self.team.landmarks), begin)
-        trust = Trust.full(robots, robots + len(self.team.landmarks), begin)
-        offsets, never = Offsets.none(robots, begin), np.full(robots, -np.inf)
-        return RobustBelief(begin, sets, votes, trust, offsets, -never, never, never)
+        nothing = Votes.none(robots, bodies, begin), Trust.full(robots, bodies, begin), Offsets.none(robots, begin)
+        never = np.full(robots, -np.inf)
+        return RobustBelief(begin, sets, *nothing, -never, never, never)
 
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time, after the robots have moved.
@@ -99,15 +85,13 @@ class RobustFilter:
         """
         self._check(belief)
         time = self.team.check_motion(belief.time, time, odometry)
-        moves = _moves(odometry, self.team, time - belief.time)
-        estimating = Estimating(belief.offsets, self.alignment)
-        estimating.move(moves, time - belief.time)
-        for robot in np.flatnonzero(belief.offsets.turned).tolist():  # its slices are of the camera's heading
-            distance, turn, aside = moves[robot]
-            moves[robot] = distance, turn, np.array([np.pi / 2, aside[1]])
-        sets = tuple(self._moved(known, *move) for known, move in zip(belief.sets, moves, strict=True))
-        after = replace(belief, time=time, sets=sets, offsets=estimating.offsets, events=())
-        return without_those_who_left(after, self.rules, self.cells, self.arena)
+        distance, turn, aside = _moves(odometry, self.team, time - belief.time)
+        offsets = belief.offsets.moved(distance, turn, aside, time - belief.time, self.alignment)
+        aside[belief.offsets.turned, 0] = np.pi / 2  # their slices are of the camera's heading
+        moves = (partial(move, *way, self.arena) for way in zip(distance, turn, aside, strict=True))
+        sets = tuple(known.cut(cut).refitted(self.cells) for known, cut in zip(belief.sets, moves, strict=True))
+        after = replace(belief, time=time, sets=sets, offsets=offsets)
+        return Merging(after, self.team, self.rules, self.cells, self.arena).left()
 
     def _check(self, belief: RobustBelief) -> None:
         """Refuse what is no belief about this team."""
@@ -116,29 +100,15 @@ class RobustFilter:
         if known != bodies:
             raise InvalidInput(f"a belief about a team of {bodies} robots and landmarks", f"one of {known}")
 
-    def _moved(self, known: Hypotheses, distance: Array, turn: Array, aside: Array) -> Hypotheses:
-        """Return where in the arena a robot can be after a move; nothing is left if a bound was broken before."""
-        low, high, reach = known.low.copy(), known.high.copy(), known.reach.copy()
-        move(low, high, reach, distance, turn, aside)
-        left = stay_within(reach, self.arena)
-        moved = Hypotheses(known.without, low, high, reach)
-        moved = moved if left.all() else moved.select(left)
-        return moved.cut_anew(self.cells) if len(moved) and moved.stretched(self.cells) else moved
-
     def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
-        """Return the belief after merging measurements taken at its time.
-
-        Args:
-            belief: Stays as it is.
-            measurements: Records, in any order.
+        """Return the belief after merging measurements taken at its time, in any order.
 
         Raises:
             OutOfOrder: A record is of another time than the belief.
             InvalidInput: A record names an unknown robot or landmark.
         """
         self._check(belief)
-        records = self.team.checked(belief.time, measurements)
-        sightings = Sightings.of(records, self.team.robots)
+        sightings = sightings_in(self.team.checked(belief.time, measurements), self.team.robots)
         merging = Merging(belief, self.team, self.rules, self.cells, self.arena)
         merging.merge(sightings)
         return merging.ended(sightings, self.suspicion, self.alignment)
@@ -146,27 +116,23 @@ class RobustFilter:
     @cached_property
     def arena(self) -> Array:
         """(COUNT,) supports of the arena, or of far more than any robot drives [m]."""
-        corners = np.clip(self.team.arena, -FARTHEST, FARTHEST)
-        return reach_of(Polygon.box(*corners))
+        return reach_of(Polygon.box(*np.clip(self.team.arena, -FARTHEST, FARTHEST)))
 
 
 def _near(name: str, places: Array) -> None:
     """Refuse places where the robust filter does not reach: what is endless to it would end before them."""
     if (np.abs(places) > FARTHEST).any():
-        raise InvalidInput(
-            f"{name} within {FARTHEST:g} m of the origin (subtract one that is near)", f"{np.abs(places).max():g} m"
-        )
+        expected = f"{name} within {FARTHEST:g} m of the origin (subtract one that is near)"
+        raise InvalidInput(expected, f"{np.abs(places).max():g} m")
 
 
-def _moves(odometry: Odometry | None, team: Team, duration: float) -> list[tuple[Array, Array, Array]]:
-    """Return each robot's least and greatest path and turn, and the bound of its direction and its slip."""
-    free = np.zeros(2), np.array([-1.0, 1.0]) * team.turn_rate_limit * duration, np.array([0.0, team.speed_limit * duration])
-    moves = [free] * team.robots
+def _moves(odometry: Odometry | None, team: Team, duration: float) -> tuple[Array, Array, Array]:
+    """Return least and greatest path and turn, (n, 2) each, and the bounds of direction and slip, (n, 2), of each robot."""
+    both, each = np.array([-1.0, 1.0]), (team.robots, 1)
+    distance, turn = np.zeros((team.robots, 2)), np.tile(both * team.turn_rate_limit * duration, each)
+    aside = np.tile([0.0, team.speed_limit * duration], each)
     if odometry is not None:
-        both = np.array([-1.0, 1.0])
-        distance = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
-        turn = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
-        aside = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
-        for k, robot in enumerate(odometry.robot.tolist()):
-            moves[robot] = distance[k], turn[k], aside[k]
-    return moves
+        distance[odometry.robot] = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
+        turn[odometry.robot] = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
+        aside[odometry.robot] = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
+    return distance, turn, aside

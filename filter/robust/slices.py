@@ -1,15 +1,21 @@
 """Sets of poses cut into slices of heading: arcs with a polygon each, and the compiled arithmetic on them.
 
-A wide heading is coupled to the position: where the heading is, say, 10 degrees, a landmark's bearing puts the robot here;
-where it is 30 degrees, over there. So a set of poses is covered by slices, each the product of a narrow arc and of the
-polygon of positions that go with it (the subpavings of interval analysis; Jaulin et al., Applied Interval Analysis, 2001).
+A wide heading is coupled to the position: where it is 10 degrees, a landmark's bearing puts the robot here; where it is 30
+degrees, over there. So a set of poses is covered by slices, each the product of a narrow arc and of the polygon of positions
+that go with it (the subpavings of interval analysis; Jaulin et al., Applied Interval Analysis, 2001).
 
-All polygons have edges in the same directions and are given by their supports: how far they reach in each. Then the hull of
-two polygons is the greater of their supports, the sum of two sets is the sum of them, and all slices are one array. What is cut
-by other half-planes is replaced by the smallest such polygon around it. Every operation errs outward, rounding included.
+All polygons have edges in the same directions and are given by their supports (COUNT,), how far they reach in each [m]: the
+hull of two is the greater of their supports, the sum of two sets the sum of them. What is cut by other half-planes is replaced
+by the smallest such polygon around it. Every operation errs outward, rounding included.
+
+Slices are their first and last headings, low (s,) and high (s,) [rad], and their polygons, reach (s, COUNT) [m]. What cuts them
+takes these last, cuts in place, and returns which slices are left, (s,). A sector (4,) is a bearing in the robot's frame and
+its bound [rad], least and greatest range [m].
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -37,14 +43,7 @@ HAIR_OF_CELL = 1e-6  # of a cell
 
 @compiled
 def sector_supports(centre: float, bound: float, nearest: float, farthest: float) -> Array:
-    """Return (COUNT,) supports of the trapezoid around a sector, or of the disc where that reaches less far [m].
-
-    Args:
-        centre: Middle direction of the sector [rad].
-        bound: Its half-width; from `WIDEST` on it is a disc [rad].
-        nearest: Inner radius [m].
-        farthest: Outer radius [m].
-    """
+    """Return supports of the trapezoid around a sector or, where that reaches less far or it is of WIDEST, of the disc."""
     outward = farthest * (1 + 64 * EPSILON)
     supports = np.full(COUNT, outward)
     if bound >= WIDEST:
@@ -60,16 +59,11 @@ def sector_supports(centre: float, bound: float, nearest: float, farthest: float
 
 
 @compiled
-def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, aside: Array) -> None:
-    """Move slices by one robot's odometry, in place: the trapezoid of each slice's own arc is added, its arc turned.
+def move(distance: Array, turn: Array, aside: Array, arena: Array, low: Array, high: Array, reach: Array) -> Mask:
+    """Move slices by one robot's odometry, within an arena: the trapezoid of each slice's own arc is added, its arc turned.
 
-    Args:
-        low: (s,) first heading of each slice [rad].
-        high: (s,) last one [rad].
-        reach: (s, COUNT) supports of their polygons [m].
-        distance: (2,) least and greatest path, negative backwards [m].
-        turn: (2,) least and greatest turn [rad].
-        aside: (2,) bound of the motion's direction [rad], radius of the disc of slip [m].
+    Path, negative backwards [m], and turn [rad] are the least and the greatest, (2,); aside are the bound of the motion's
+    direction [rad] and the radius of the disc of slip [m]; the arena is given by its supports.
     """
     bend = min(np.pi / 2, max(abs(turn[0]), abs(turn[1])) / 2 + aside[0])
     wide = (turn[1] - turn[0]) / 4 + aside[0] + ANGLE_ROUNDING
@@ -88,16 +82,12 @@ def move(low: Array, high: Array, reach: Array, distance: Array, turn: Array, as
             reach[k, m] += step[m] + aside[1] + 4 * EPSILON * abs(reach[k, m])
         low[k] += turn[0] - ANGLE_ROUNDING * (1 + abs(low[k]))
         high[k] += turn[1] + ANGLE_ROUNDING * (1 + abs(high[k]))
+    return stay_within(arena, low, high, reach)
 
 
 @compiled
 def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]:
-    """Cut one polygon by half-planes, in place.
-
-    Args:
-        reach: (COUNT,) supports, afterwards those of the smallest polygon around what is left [m].
-        normals: (k, 2) of length 1.
-        offsets: (k,) [m].
+    """Cut one polygon by half-planes, in place: reach is then that of the smallest polygon around what is left.
 
     Returns:
         The vertices of what is left, and how far outward they can be short of it [m]. No vertex proves that it is empty.
@@ -129,11 +119,11 @@ def _narrow(low: Array, high: Array, k: int, centre: float, bound: float) -> boo
 
 
 @compiled
-def narrow(low: Array, high: Array, centre: float, bound: float) -> Mask:
-    """Cut the arcs of slices down to one arc, in place; return which slices are left."""
+def narrow(sector: Array, low: Array, high: Array, _reach: Array) -> Mask:
+    """Cut slices down to the headings that a compass says, as the bearing of a sector."""
     left = np.ones(len(low), dtype=np.bool_)
     for k in range(len(low)):
-        left[k] = _narrow(low, high, k, centre, bound)
+        left[k] = _narrow(low, high, k, sector[0], sector[1])
     return left
 
 
@@ -151,16 +141,8 @@ def _sector_rows(place: Array, centre: float, bound: float, nearest: float, fart
 
 
 @compiled
-def see_place(low: Array, high: Array, reach: Array, place: Array, sector: Array) -> Mask:
-    """Cut slices down to the poses from which a known place (2,) is seen in a sector, in place; return which are left.
-
-    Args:
-        low: (s,) [rad].
-        high: (s,) [rad].
-        reach: (s, COUNT) [m].
-        place: (2,) [m].
-        sector: (4,) bearing in the robot's frame and its bound [rad], least and greatest range [m].
-    """
+def see_place(place: Array, sector: Array, low: Array, high: Array, reach: Array) -> Mask:
+    """Cut slices down to the poses from which a place (2,) [m] is in the sector."""
     left = np.ones(len(low), dtype=np.bool_)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
@@ -174,14 +156,13 @@ def see_place(low: Array, high: Array, reach: Array, place: Array, sector: Array
 
 
 @compiled
-def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) -> Mask:
-    """Cut slices down to the poses from which a body is seen in a sector, in place; return which are left.
+def see_body(body: Array, sector: Array, low: Array, high: Array, reach: Array) -> Mask:
+    """Cut slices down to the poses from which a body, by its supports, is in the sector.
 
-    With d in the sector, x = x_body - d: the sum of the body's polygon, by its supports (COUNT,), and the sector turned round.
+    With d in the sector, x = x_body - d: the sum of the body's polygon and the sector turned round.
     """
-    left = np.ones(len(low), dtype=np.bool_)
+    left, apart = np.ones(len(low), dtype=np.bool_), np.empty(COUNT)
     rows, bare = np.empty((0, 2)), np.empty(0)
-    apart = np.empty(COUNT)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
         supports = sector_supports(centre + np.pi, bound, sector[2], sector[3])
@@ -199,8 +180,8 @@ def see_body(low: Array, high: Array, reach: Array, body: Array, sector: Array) 
 
 
 @compiled
-def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
-    """Return (COUNT,) supports around every place that is in the sector of a pose of these slices [m]."""
+def seen_from(sector: Array, low: Array, high: Array, reach: Array) -> Array:
+    """Return supports around every place that is in the sector of a pose of these slices."""
     farthest = np.full(COUNT, -np.inf)
     for k in range(len(low)):
         centre, bound = (low[k] + high[k]) / 2 + sector[0], (high[k] - low[k]) / 2 + sector[1] + 4 * ANGLE_ROUNDING
@@ -211,8 +192,8 @@ def seen_from(low: Array, high: Array, reach: Array, sector: Array) -> Array:
 
 
 @compiled
-def stay_within(reach: Array, body: Array) -> Mask:
-    """Cut slices down to a polygon given by its supports (COUNT,), in place; return which are left."""
+def stay_within(body: Array, _low: Array, _high: Array, reach: Array) -> Mask:
+    """Cut slices down to the positions in a polygon, by its supports."""
     left = np.ones(len(reach), dtype=np.bool_)
     rows, bare = np.empty((0, 2)), np.empty(0)
     for k in range(len(reach)):
@@ -223,19 +204,15 @@ def stay_within(reach: Array, body: Array) -> Mask:
 
 
 @compiled
-def regrid(group: Integers, low: Array, high: Array, reach: Array, grid: tuple[Array, Array, Array]) -> None:
+def regrid(grid: tuple[Array, Array, Array], group: Integers, low: Array, high: Array, reach: Array) -> None:
     """Sort slices into the cells of a grid of headings: in each group at most one slice a cell, the hull of what is in it.
 
-    Args:
-        group: (s,) slices of different groups are not put together; numbers from 0 on.
-        low: (s,) [rad].
-        high: (s,) [rad].
-        reach: (s, COUNT) [m].
-        grid: The same for the slices of all cells in a circle (groups, cells), enlarged in place; inf and -inf are nothing.
+    What is enlarged is the grid, low, high and reach of the slices of all cells in a circle (groups, cells), where inf and -inf
+    are nothing. Slices of different groups (s,), numbers from 0 on, are not put together.
     """
-    first, last, farthest = grid
+    (first, last, farthest), turn = grid, 2 * np.pi
     cells = first.shape[1]
-    width, turn = 2 * np.pi / cells, 2 * np.pi
+    width = turn / cells
     for k in range(len(low)):
         # What is a hair over an edge stays with its cell, or neighbours would be put together again and again.
         top = min(high[k], low[k] + turn)
@@ -248,3 +225,13 @@ def regrid(group: Integers, low: Array, high: Array, reach: Array, grid: tuple[A
             first[g, m] = min(first[g, m], (low[k] if cell == begin else cell * width) - away - slack)
             last[g, m] = max(last[g, m], (top if cell == end else (cell + 1) * width) - away + slack)
             farthest[g, m] = np.maximum(farthest[g, m], reach[k])
+
+
+def see_any(bodies: Sequence[Array], sector: Array, low: Array, high: Array, reach: Array) -> Mask:
+    """Cut slices down to the poses from which one of several bodies, each by its supports, is in the sector."""
+    each = [(low.copy(), high.copy(), reach.copy()) for _ in bodies]
+    left = np.array([see_body(body, sector, *mine) for body, mine in zip(bodies, each, strict=True)])
+    low[:] = np.where(left, [mine[0] for mine in each], np.inf).min(axis=0)
+    high[:] = np.where(left, [mine[1] for mine in each], -np.inf).max(axis=0)
+    reach[:] = np.where(left[:, :, None], [mine[2] for mine in each], -np.inf).max(axis=0)
+    return np.asarray(left.any(axis=0))

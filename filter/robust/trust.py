@@ -16,7 +16,7 @@ from filter.arrays import Array, Frozen, Mask, positive, settle
 
 @dataclass(frozen=True)
 class Suspicion:
-    """When a sensor is put aside.
+    """When a sensor is put aside. InvalidInput if a value is out of its range.
 
     Attributes:
         memory: Sightings count less with their age, by 1/e in this time [s].
@@ -24,9 +24,6 @@ class Suspicion:
         strikes: So many contradicted sightings, and ...
         share: ... this share of all make a sensor be put aside; in (0, 1).
         mercy: Below so many, and below half the share, it is trusted again.
-
-    Raises:
-        InvalidInput: A value is out of its range.
     """
 
     memory: float = 30.0
@@ -68,9 +65,8 @@ class Trust(Frozen):
     def full(cls, robots: int, bodies: int, time: float) -> Trust:
         """Return full trust: nothing was seen yet."""
         never, none = np.full((robots, bodies), -np.inf), np.zeros((robots, bodies))
-        return cls(
-            time, never, none, none.copy(), none.copy(), -never, np.zeros(robots, dtype=bool), np.zeros(bodies, dtype=bool)
-        )
+        aside = np.zeros(robots, dtype=bool), np.zeros(bodies, dtype=bool)
+        return cls(time, never, none, none, none, -never, *aside)
 
     def aside(self, robot: int, target: int) -> bool:
         """Return whether sightings of this pair are not to be merged."""
@@ -89,8 +85,8 @@ class Trust(Frozen):
             streak[robot, target] = streak[robot, target] + weight if contradicted else 0.0
             since[robot, target] = min(since[robot, target], time) if contradicted else np.inf
         lately = np.where(streak > 0, streak, seen * (last > since.min(axis=0)))
-        camera, identity = _guilty((seen, struck), (lately, streak), (self.camera, self.identity), rules)
-        return Trust(time, last, seen, struck, streak, since, camera, identity)
+        guilty = _guilty((seen, struck), (lately, streak), (self.camera, self.identity), rules)
+        return Trust(time, last, seen, struck, streak, since, *guilty)
 
     def charges(self, sensor: str, body: int) -> tuple[float, tuple[int, ...]]:
         """Return since when a "camera" or an "identity" is contradicted [s], and the other ends of the pairs that say so."""
@@ -98,21 +94,17 @@ class Trust(Frozen):
         return float(since.min()), tuple(np.flatnonzero(np.isfinite(since)).tolist())
 
 
-def _guilty(
-    all_: tuple[Array, Array], lately: tuple[Array, Array], aside: tuple[Mask, Mask], rules: Suspicion
-) -> tuple[Mask, Mask]:
+Pair = tuple[Array, Array]
+
+
+def _guilty(sightings: Pair, lately: Pair, aside: tuple[Mask, Mask], rules: Suspicion) -> tuple[Mask, Mask]:
     """Return which sensors are put aside from now on: first those are trusted again that agree, then the guiltiest go.
 
-    Barcodes are exchanged from one moment to the next, so that an identity is judged by what was seen since it was first
-    contradicted without agreeing again. A camera is not: a robot that is lost contradicts everything at once.
-
-    Args:
-        all_: (n, b) weight of all sightings and of those that were contradicted, ...
-        lately: ... and since then, with those that agree.
-        aside: (n,) cameras and (b,) identities that are put aside so far.
-        rules: When they are.
+    Barcodes are exchanged from one moment to the next, so that an identity is judged by what was seen lately: since it was
+    first contradicted without agreeing again. A camera is not, as a robot that is lost contradicts everything at once.
+    Sightings are given by their weight, of all and of those that were contradicted, (n, b) each.
     """
-    seen, struck = all_
+    (seen, struck), (seen_lately, struck_lately) = sightings, lately
     camera, identity = (
         sensors & ((struck.sum(axis) >= rules.mercy) | (struck.sum(axis) >= rules.share / 2 * seen.sum(axis)))
         for sensors, axis in zip(aside, (1, 0), strict=True)
@@ -120,19 +112,16 @@ def _guilty(
     while True:
         # What is laid to the charge of one that is put aside does not count against the other.
         counts = ~(camera[:, None] | identity)
-        cameras, cameras_share = _charges(seen * counts, struck * counts, 1, rules)
-        identities, identities_share = _charges(lately[0] * counts, lately[1] * counts, 0, rules)
+        cameras = _charges(seen * counts, struck * counts, 1, rules)
+        identities = _charges(seen_lately * counts, struck_lately * counts, 0, rules)
         if not (cameras.any() or identities.any()):
             return camera, identity
-        if cameras_share.max() > identities_share.max():
-            camera[int(np.argmax(cameras_share))] = True
-        else:
-            identity[int(np.argmax(identities_share))] = True
+        guilty, shares = (camera, cameras) if cameras.max() > identities.max() else (identity, identities)
+        guilty[np.argmax(shares)] = True
 
 
-def _charges(seen: Array, struck: Array, axis: int, rules: Suspicion) -> tuple[Mask, Array]:
-    """Return who is charged with enough to be put aside, and with which share of its sightings (0 for those that are not)."""
-    strikes, all_ = struck.sum(axis=axis), seen.sum(axis=axis)
-    share = strikes / np.maximum(all_, 1e-300)
-    charged = (strikes >= rules.strikes) & (share >= rules.share)
-    return charged, np.where(charged, share, 0.0)
+def _charges(seen: Array, struck: Array, axis: int, rules: Suspicion) -> Array:
+    """Return with which share of its sightings each sensor is charged, 0 where that is not enough for it to be put aside."""
+    strikes = struck.sum(axis=axis)
+    share = strikes / np.maximum(seen.sum(axis=axis), 1e-300)
+    return np.where((strikes >= rules.strikes) & (share >= rules.share), share, 0.0)

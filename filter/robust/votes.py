@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,7 +17,7 @@ Verdict = Literal["agreed", "contradicted", "rejected"]
 
 @dataclass(frozen=True)
 class Rules:
-    """What is assumed of wrong measurements, and what is done when there are more.
+    """What is assumed of wrong measurements, and what is done when there are more. InvalidInput if a value is out of range.
 
     Attributes:
         tolerated: How many votes on a robot may be wrong in a window, unnoticed: 0 or 1.
@@ -26,9 +26,6 @@ class Rules:
         longest: A vote lasts no longer; what follows is another one [s].
         memory: How long ago votes count for the question who is lost [s].
         quorum: So many different votes rejected within the memory, and more than were accepted: the robot is lost.
-
-    Raises:
-        InvalidInput: A value is out of its range.
     """
 
     tolerated: int = 1
@@ -74,7 +71,7 @@ class Votes(Frozen):
     def none(cls, robots: int, bodies: int, time: float) -> Votes:
         """Return no votes yet."""
         never = np.full((robots, bodies + robots), -np.inf)
-        return cls(never, never.copy(), never.copy(), never.copy(), np.full(robots, time))
+        return cls(never, never, never, never, np.full(robots, time))
 
 
 class Poll:
@@ -82,44 +79,31 @@ class Poll:
 
     def __init__(self, sets: tuple[Hypotheses, ...], votes: Votes, time: float, rules: Rules, cells: int) -> None:
         """Begin with what was known before, all of it of this time."""
-        self.sets = list(sets)
-        self._rules, self._cells, self.time = rules, cells, time
-        self._opened, self._accepted, self._rejected, self._believed, self._renewed = (
-            getattr(votes, column.name).copy() for column in fields(Votes)
-        )
+        self.sets, self.time, self._rules, self._cells = list(sets), time, rules, cells
+        self._opened, self._accepted, self._rejected, self._believed, self._renewed = map(np.copy, vars(votes).values())
 
     @property
     def votes(self) -> Votes:
         """The votes as they are now."""
-        columns = (self._opened, self._accepted, self._rejected, self._believed, self._renewed)
-        return Votes(*(column.copy() for column in columns))
+        return Votes(*map(np.copy, (self._opened, self._accepted, self._rejected, self._believed, self._renewed)))
 
     def expire(self, robot: int) -> None:
         """Close the votes that are over, and the window if it is."""
         rules, time = self._rules, self.time
         over = (self._accepted[robot] < time - rules.pause) | (self._opened[robot] < time - rules.longest)
         over &= self._opened[robot] > -np.inf
-        if over.any():
-            self._opened[robot, over] = -np.inf
-            closed = np.isin(self.sets[robot].without, np.flatnonzero(over))
-            if closed.any():
-                self.sets[robot] = self.sets[robot].renamed(EARLIER, closed).cut_anew(self._cells)
+        self._opened[robot, over] = -np.inf
+        closed = np.isin(self.sets[robot].without, np.flatnonzero(over))
+        if closed.any():
+            self.sets[robot] = self.sets[robot].renamed(EARLIER, closed).cut_anew(self._cells)
         if time - self._renewed[robot] >= rules.window:
             self.renew(robot, self.sets[robot])
 
     def cast(self, robot: int, column: int, cut: Cut, whoever: bool = False) -> Verdict:
-        """Merge a vote on a robot; return what came of it.
-
-        Args:
-            robot: Whose pose it is on.
-            column: Of `Votes`.
-            cut: What it says.
-            whoever: True if it holds whoever of several was seen, so that it does not rest on the identity which was read.
-        """
+        """Merge a vote, a column of `Votes`; one that holds whoever was seen does not rest on the identity that was read."""
         known = self.sets[robot]
         bound = known.without != column
-        judged = known.select(bound)
-        merged = judged.cut(cut)
+        merged = known.select(bound).cut(cut)
         if not len(merged):
             self._rejected[robot, column] = self.time
             return "rejected"
@@ -129,7 +113,8 @@ class Poll:
             self._opened[robot, column] = self.time if opens else self._opened[robot, column]
             merged = Hypotheses.concatenate([merged, spare])
         self._accepted[robot, column] = self.time
-        self._believed[robot, column] = self._believed[robot, column] if whoever else self.time
+        if not whoever:
+            self._believed[robot, column] = self.time
         if (merged.without == AGREED).any():
             self.sets[robot] = merged
             return "agreed"
@@ -152,12 +137,6 @@ class Poll:
         self._opened[robot] = -np.inf
         self._renewed[robot] = self.time
 
-    def recent(self, robot: int) -> tuple[Mask, Mask]:
-        """Return (c,) which columns' last vote within the memory was accepted, and which were rejected."""
-        since = self.time - self._rules.memory
-        accepted, rejected = self._accepted[robot], self._rejected[robot]
-        return (accepted > since) & (accepted > rejected), (rejected > since) & (rejected >= accepted)
-
     def believed(self, sensor: str, body: int, bodies: int, since: float) -> Mask:
         """Return (n,) on whom a vote that rests on a camera, or on an identity, was merged after a time [s]."""
         recent = (self._accepted if sensor == "camera" else self._believed) > since
@@ -167,11 +146,15 @@ class Poll:
             misled[body] = recent[body, own].any()
         return misled
 
-    def first_rejected(self, robot: int) -> float:
-        """Return when the first of the recently rejected votes was rejected [s]."""
-        return float(self._rejected[robot][self.recent(robot)[1]].min(initial=self.time))
+    def contested(self) -> tuple[Array, Mask]:
+        """Return (n,) since when several votes on a robot are being rejected [s], or inf, and whether it is lost by that.
 
-    def lost(self, robot: int) -> bool:
-        """Return whether so many votes on a robot were rejected that it is not where it is believed to be."""
-        accepted, rejected = self.recent(robot)
-        return bool(rejected.sum() >= self._rules.quorum and rejected.sum() > accepted.sum())
+        What counts is each column's last vote, if it is within the memory.
+        """
+        since = self.time - self._rules.memory
+        accepted = (self._accepted > since) & (self._accepted > self._rejected)
+        rejected = (self._rejected > since) & (self._rejected >= self._accepted)
+        against = rejected.sum(axis=1)
+        first = np.where(rejected, self._rejected, self.time).min(axis=1)
+        lost = (against >= self._rules.quorum) & (against > accepted.sum(axis=1))
+        return np.where(against >= 2, first, np.inf), lost

@@ -9,7 +9,6 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Odometry, Range
 from filter.robust.belief import Late, Turned
-from filter.robust.camera_filter import Estimating
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.robust_filter import RobustFilter
 from filter.team import Team
@@ -22,9 +21,7 @@ def judged(column, value, deviation, was):
     mean, running = np.eye(5)[None, column] * value, np.array([True])
     before = replace(Offsets.none(1, 0.0), mean=mean, covariance=covariance, running=running, allowed=np.array([0.1]))
     suspected = was & (np.arange(3, 5)[None] == column)
-    estimating = Estimating(replace(before, suspected=suspected), Alignment())
-    estimating.judge(10.0)
-    return estimating.offsets
+    return replace(before, suspected=suspected).judged(10.0, Alignment())
 
 
 @pytest.mark.parametrize(("column", "bound", "name"), [(3, 0.1, "turned"), (4, 0.2, "late")])
@@ -38,7 +35,7 @@ def test_a_suspicion_lasts_until_the_estimate_is_good_for_sure(column, bound, na
 def test_a_camera_that_is_off_by_full_turns_is_not_turned(turns):
     offsets = judged(3, turns * 2 * np.pi + 0.01, 0.01, True)
     assert not offsets.turned
-    assert offsets.offset == pytest.approx(0.01)
+    assert offsets.mean[:, 3] == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("suspected", [[True, False], [False, True]])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from filter.geometry.polygon import Polygon
-from filter.robust.cuts import seeing_any, seeing_body
 from filter.robust.hypotheses import Hypotheses, polygon_of, reach_of
+from filter.robust.slices import see_any, see_body
 
 SECTOR = np.array([0.4, 0.1, 1.5, 2.5])  # bearing, its bound, least and greatest range
 
@@ -31,7 +31,7 @@ def body(rng):
 def test_a_pose_from_which_one_of_several_is_seen_stays(seed):
     rng = np.random.default_rng(seed)
     places, bodies = zip(*(body(rng) for _ in range(3)), strict=True)
-    left = known().cut(partial(seeing_any, bodies, SECTOR))
+    left = known().cut(partial(see_any, bodies, SECTOR))
     for place in places:
         heading, distance = rng.uniform(0, 0.6), rng.uniform(1.5, 2.5)
         way = heading + SECTOR[0] + rng.uniform(-0.1, 0.1)
@@ -43,7 +43,7 @@ def test_a_pose_from_which_one_of_several_is_seen_stays(seed):
 def test_of_one_body_it_is_the_same_as_seeing_it():
     rng = np.random.default_rng(1)
     _, reach = body(rng)
-    one, any_ = known().cut(partial(seeing_body, reach, SECTOR)), known().cut(partial(seeing_any, [reach], SECTOR))
+    one, any_ = known().cut(partial(see_body, reach, SECTOR)), known().cut(partial(see_any, [reach], SECTOR))
     np.testing.assert_array_equal(one.reach, any_.reach)
     np.testing.assert_array_equal(one.low, any_.low)
     np.testing.assert_array_equal(one.high, any_.high)
@@ -51,4 +51,4 @@ def test_of_one_body_it_is_the_same_as_seeing_it():
 
 def test_what_sees_none_of_them_goes():
     far = reach_of(Polygon.box([20, 20], [21, 21]))
-    assert len(known().cut(partial(seeing_any, [far, far], SECTOR))) == 0
+    assert len(known().cut(partial(see_any, [far, far], SECTOR))) == 0

@@ -61,7 +61,7 @@ def test_cut_anew_every_pose_stays_in_a_slice_of_its_vote(seed):
     known = drawn(rng)
     headings, places = poses(known, rng)
     anew = known.cut_anew(72)
-    assert not anew.stretched(72)
+    assert anew.refitted(72) is anew
     for vote, heading, place in zip(known.without, headings, places, strict=True):
         turns = np.arange(-4, 5) * 2 * np.pi
         within = ((anew.low[:, None] <= heading + turns) & (heading + turns <= anew.high[:, None])).any(axis=1)

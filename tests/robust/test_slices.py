@@ -87,7 +87,7 @@ def test_a_place_is_seen_from_where_the_half_planes_of_the_sector_say(way, bound
     lines = np.concatenate([DIRECTIONS, normals]), np.append(square, offsets + normals @ place)
     expected = Polygon.from_half_planes(*lines, [-9, -9], [9, 9]).support(DIRECTIONS)
     low, high, mine = np.array([heading]), np.array([heading]), square[None].copy()
-    assert see_place(low, high, mine, place, np.array([way - heading, bound, nearest, nearest + more]))[0]
+    assert see_place(place, np.array([way - heading, bound, nearest, nearest + more]), low, high, mine)[0]
     assert mine[0] == pytest.approx(np.minimum(square, expected), abs=1e-9)
 
 
@@ -101,7 +101,8 @@ def test_no_motion_within_the_bounds_leaves_the_slices(seed):
     driven, turned = rng.choice([*distance, distance.mean()]), rng.choice([*turn, turn.mean()])
     way = heading + turned / 2 + aside * rng.choice([-1, 0, 1])
     moved = position + driven * np.sinc(turned / 2 / np.pi) * direction(way) + slip * direction(rng.uniform(-4, 4))
-    move(low, high, reach, distance, turn, np.array([aside, slip]))
+    anywhere = supports([[-99, -99], [99, 99], [-99, 99], [99, -99]])
+    assert move(distance, turn, np.array([aside, slip]), anywhere, low, high, reach).all()
     assert holds(low, high, reach, moved, heading + turned)
 
 
@@ -118,40 +119,42 @@ def test_seeing_a_place_or_a_body_keeps_the_true_pose(seed):
     )
     low, high, reach = slices_around(rng, position, heading)
     kept = [column.copy() for column in (low, high, reach)]
-    left = see_place(*kept, place, sector)
+    left = see_place(place, sector, *kept)
     assert holds(*(column[left] for column in kept), position, heading)
     body = supports(np.append(place + rng.uniform(-0.5, 0.5, (4, 2)), [place], axis=0))
     kept = [column.copy() for column in (low, high, reach)]
-    left = see_body(*kept, body, sector)
+    left = see_body(body, sector, *kept)
     assert holds(*(column[left] for column in kept), position, heading)
-    assert (DIRECTIONS @ place <= seen_from(low, high, reach, sector) + 1e-12).all()
+    assert (DIRECTIONS @ place <= seen_from(sector, low, high, reach) + 1e-12).all()
 
 
 def test_seeing_a_place_cuts_position_and_heading():
     low, high, reach = np.array([-0.1]), np.array([0.1]), supports([[-1, -1], [1, 1], [-1, 1], [1, -1]])[None]
     seen = np.array([0.0, 0.01, 2.0, 2.1])
-    assert see_place(low, high, reach, np.array([3.0, 0.0]), seen).all()
+    place = np.array([3.0, 0.0])
+    assert see_place(place, seen, low, high, reach).all()
     assert reach[0, 0] == pytest.approx(1.0)
     assert -reach[0, COUNT // 2] == pytest.approx(0.9, abs=0.01)  # at 2.1 m at most
     assert reach[0, COUNT // 4] == pytest.approx(2.1 * np.tan(0.11), abs=0.01)
-    assert not see_place(low.copy(), high.copy(), reach.copy(), np.array([3.0, 0.0]), np.array([np.pi, 0.1, 2, 2.1]))[0]
+    assert not see_place(place, np.array([np.pi, 0.1, 2, 2.1]), low.copy(), high.copy(), reach.copy())[0]
     point = supports([0.0, 0.0])[None]
-    assert see_place(low, high, point, np.array([3.0, 0.0]), np.array([0.05, 0.01, 2.9, 3.1])).all()
+    assert see_place(place, np.array([0.05, 0.01, 2.9, 3.1]), low, high, point).all()
     assert [low[0], high[0]] == pytest.approx([-0.06, -0.04])
 
 
 def test_arcs_narrow_across_the_half_turn():
     low, high = np.array([3.0, 0.0]), np.array([3.3, 0.3])
-    assert narrow(low, high, -np.pi + 0.05, 0.02).tolist() == [True, False]
+    assert narrow(np.array([-np.pi + 0.05, 0.02]), low, high, np.zeros((2, COUNT))).tolist() == [True, False]
     assert [low[0], high[0]] == pytest.approx([np.pi + 0.03, np.pi + 0.07])
     low, high = np.array([-3.0]), np.array([3.0])
-    assert narrow(low, high, np.pi, 1.0).all()  # they meet at both ends: the hull is all of it
+    assert narrow(np.array([np.pi, 1.0]), low, high, np.zeros((1, COUNT))).all()  # they meet at both ends: all is left
     assert [low[0], high[0]] == [-3.0, 3.0]
 
 
 def test_staying_within_a_polygon_drops_what_is_wholly_outside():
     reach = np.array([supports([[0, 0], [1, 1]]), supports([[5, 5], [6, 6]])])
-    assert stay_within(reach, supports([[0.5, -1], [0.5, 2], [2, 0]])).tolist() == [True, False]
+    within = supports([[0.5, -1], [0.5, 2], [2, 0]])
+    assert stay_within(within, np.zeros(2), np.zeros(2), reach).tolist() == [True, False]
     assert -reach[0, COUNT // 2] == pytest.approx(0.5)
 
 

@@ -3,8 +3,6 @@
 A check raises `InvalidInput`, with what was expected and what came, unless a value is what its docstring says.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction

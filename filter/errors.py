@@ -3,8 +3,6 @@
 Nothing a solver throws escapes, and no input is checked by `assert`. An error leaves every belief as it was.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Filters follow what comes: frames, one after the other, and late measurements, up to a fixed lag. Any filter can."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

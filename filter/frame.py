@@ -1,7 +1,5 @@
 """What one instant gives: odometry since the last one, measurements, and the truth to judge by."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING

@@ -8,8 +8,6 @@ Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landm
 +- bound, always: a bound is a promise, not a deviation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any

@@ -1,7 +1,5 @@
 """What is known of a team for good: how many robots, where the landmarks are, how far anything can be."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING

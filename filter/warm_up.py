@@ -1,7 +1,5 @@
 """Everything that is compiled, made or loaded before it is needed, so that no step of a run has to wait for it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

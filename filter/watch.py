@@ -1,7 +1,5 @@
 """A guaranteed region proves other estimators wrong: an integrity monitor for whatever filter runs beside this one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

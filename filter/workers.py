@@ -5,8 +5,6 @@ Such handlers (of Ctrl-C, of a watchdog) run in the main thread between any two 
 `SimpleQueue` are written in C, where no handler runs.
 """
 
-from __future__ import annotations
-
 import _thread
 import atexit
 import os

@@ -3,8 +3,6 @@
 Vertices are (e, 2), counter-clockwise; edge k begins at vertex k.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from filter.arrays import Array, Integers

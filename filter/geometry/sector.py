@@ -4,8 +4,6 @@ A bearing with a range is one, a range alone is one of a full circle, and so is 
 round, its near side is hollow: the half-planes and the corners are those of convex sets around it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from filter.arrays import Array

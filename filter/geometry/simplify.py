@@ -1,7 +1,5 @@
 """Which edges of a convex polygon to leave out so that it grows by little, and which vertices so that it shrinks by little."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from filter.arrays import Array, Mask

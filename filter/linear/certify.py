@@ -4,8 +4,6 @@ A corner of a polygon is in two rows. Every half-plane through it follows from t
 its normal as a combination of theirs. So sides of boxes around polygons are proved, and rows through their corners.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from filter.arrays import Array, Integers

@@ -3,8 +3,6 @@
 No solver is trusted: its answers are candidates. A bound counts only through `certified_bounds`, a point through `holds`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

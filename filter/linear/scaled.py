@@ -1,7 +1,5 @@
 """A program as solvers like it: every coordinate in the radius of its own box, every row of size 1."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ Their answers are candidates that `LinearProgram` judges; whatever else they do,
 module that imports piqp, highspy and qpsolvers, and not before they are asked: exact projections need none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import cached_property, partial
 from importlib.util import find_spec

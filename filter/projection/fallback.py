@@ -1,7 +1,5 @@
 """Projections by solvers, for those who chose them and where a walk is lost: where one fails, by the next."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

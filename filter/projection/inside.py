@@ -1,7 +1,5 @@
 """Points of a window's polytope that are proved to be in it, and the polygon that they span: compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from filter.arrays import Array, Integers

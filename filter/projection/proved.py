@@ -4,8 +4,6 @@ A direction that was maximised gives a point of the projection and a line that s
 inside, the intersection of the half-planes outside.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The search for a projection (section 7 of the paper): always where inside and outside differ most, by a triangle."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

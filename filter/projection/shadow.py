@@ -6,8 +6,6 @@ simplex method, where the paper thinks the exact projection out of reach (sectio
 for `LinearProgram` to certify.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is asked of windows, and room for what is found in them, end to end: arrays that the caller of compiled code makes."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ A vertex is where as many rows as there are variables hold with equality; these 
 candidate: what the walk finds is judged by `LinearProgram`, so rounding can cost tightness and nothing else.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """When a projection is good enough, and how long a step may take."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args

@@ -3,8 +3,6 @@
 Of a pair i, j it is the position of j as seen from i, x_j - x_i, as in `Constraints`; of a robot j alone i is WORLD.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

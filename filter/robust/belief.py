@@ -1,7 +1,5 @@
 """What the robust filter knows at one time, and what happened on the way: rejected, contradictory, put aside, started over."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

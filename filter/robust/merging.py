@@ -8,8 +8,6 @@ rejected. So robots that have exchanged their barcodes, at any time, do no harm,
 as agreement.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial

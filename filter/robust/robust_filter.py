@@ -1,7 +1,5 @@
 """The robust filter: for robots without compass among landmarks, whose declared bounds break now and then."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial

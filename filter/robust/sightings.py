@@ -1,7 +1,5 @@
 """Measurements of one instant as sightings: who saw what, in which sector of its own frame."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 from itertools import zip_longest

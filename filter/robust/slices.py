@@ -13,8 +13,6 @@ takes these last, cuts in place, and returns which slices are left, (s,). A sect
 its bound [rad], least and greatest range [m].
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ Odometry is a range-bearing measurement of one's own past: every displacement li
 a target seen at that range and bearing. Slip adds a disc.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Errata: the paper's first bearing row has a wrong sign (as printed it cuts off t
 its lower range row lacks a minus (as printed it says nothing).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

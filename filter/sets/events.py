@@ -1,7 +1,5 @@
 """What happens in an update beside the update: measurements that were dropped, solvers that failed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from filter.linear.sources import Source

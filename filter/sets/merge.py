@@ -1,7 +1,5 @@
 """What measurements add to the team's polytope: the rows of all bearings, then those of all ranges."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from filter.arrays import Array, Integers

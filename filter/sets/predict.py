@@ -5,8 +5,6 @@ moved ones meet in a mitre, farther out than any point of the corner has gone. T
 both; so rows through the corners, in the normals of the displacements' own edges, are moved as well. They follow from the two.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from filter.arrays import Array, Integers

@@ -4,8 +4,6 @@ The outer polygons' edges become rows themselves: that is how the team's knowled
 row on its own; what several rows say together of two robots has to be one row before, or it is lost.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

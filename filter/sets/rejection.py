@@ -1,7 +1,5 @@
 """When measurements disagree: which to drop, so that the rest agree again. Never silently: each one is an event."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace

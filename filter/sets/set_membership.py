@@ -1,7 +1,5 @@
 """The set-membership filter: predict, then headings, merge, prune, project. A belief goes in and a new belief comes out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Self, get_args

@@ -1,10 +1,9 @@
 """Whether a camera is turned or late: a robot then drives, or turns, otherwise than the bearings of the landmarks say.
 
-A camera that is turned by some degrees shows another heading, and all its sightings agree on it. Only the direction in which
-the robot drives does not, and of that a few metres tell too little for a proof from bounds. A camera whose clock is late sees
-landmarks aside whenever its robot turns. So here is an estimate beside the sets: an extended Kalman filter for each robot, with
-pose, and offset and delay of the camera, from odometry and landmarks. Its deviations are taken from the declared bounds. **It
-is evidence, no proof, and nothing of it enters a region**; it only says which camera, or which one's heading, not to believe.
+All sightings of a turned camera agree on another heading; only the direction in which its robot drives does not, and of that a
+few metres tell too little for a proof. A camera whose clock is late sees landmarks aside whenever its robot turns. Here is an
+estimate beside the sets: an extended Kalman filter of each robot's pose and its camera's offset and delay, with deviations from
+the declared bounds. **It is evidence, no proof, and nothing of it enters a region**; it only says what not to believe.
 """
 
 from __future__ import annotations
@@ -74,8 +73,7 @@ class Offsets(Frozen):
     """What motion says of n cameras.
 
     Attributes:
-        mean: (n, 5) position [m], heading, the camera's offset, positive where bearings are too large [rad], and its delay,
-            positive where pictures are later than commands [s].
+        mean: (n, 5) position [m], heading, the camera's offset [rad], and its delay [s].
         covariance: (n, 5, 5) of it.
         rate: (n,) how fast the robot turned lately [rad/s].
         running: (n,) whether there is an estimate.
@@ -105,6 +103,16 @@ class Offsets(Frozen):
         nobody, never, zeros = np.zeros((robots, 2), dtype=bool), np.full((robots, 2), np.inf), np.zeros((robots, 5, 5))
         estimate = zeros[:, 0], zeros, zeros[:, 0, 0], nobody[:, 0], zeros[:, 0, 0], zeros[:, 0, :2]
         return cls(*estimate, never[:, 0], np.full((robots, 2), time), never, nobody)
+
+    @property
+    def offset(self) -> Array:
+        """(n,) estimated offsets of the cameras, positive where bearings are too large [rad]."""
+        return self.mean[:, 3]
+
+    @property
+    def delay(self) -> Array:
+        """(n,) estimated delays of the cameras, positive where they are later than the commands [s]."""
+        return self.mean[:, 4]
 
     @property
     def turned(self) -> Mask:

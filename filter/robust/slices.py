@@ -25,16 +25,9 @@ from filter.geometry.sector import WIDEST, far_and_near, sides, trapezoid
 
 COUNT = 24  # directions; 15 degrees between two cost 1 to 2 % of a polygon's area
 QUARTER = COUNT // 4
-
-
-def _directions() -> Array:
-    angles = 2 * np.pi * np.arange(COUNT) / COUNT
-    vectors = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    vectors[np.abs(vectors) < EPSILON] = 0.0  # the four along the axes are exact
-    return vectors
-
-
-DIRECTIONS = _directions()
+ANGLES = 2 * np.pi * np.arange(COUNT) / COUNT
+DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+DIRECTIONS[np.abs(DIRECTIONS) < EPSILON] = 0.0  # the four along the axes are exact
 TANGENT_ANGLE = np.pi / 12  # between two tangents of the far side of a sector [rad]
 HAIR_OF_CELL = 1e-6  # of a cell
 

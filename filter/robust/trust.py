@@ -1,8 +1,8 @@
 """Which sensor is guilty: cameras and identities that are contradicted again and again are put aside until they agree.
 
-A wrong vote here and there is what voting is for (`filter.robust.votes`). A camera that is turned, or a robot that wears
-another's barcode, is wrong all the time. Each sighting has two suspects: the camera that took it and the identity that it
-names. The one with the larger share of contradicted sightings is put aside; what it says is then judged but not merged.
+A wrong vote here and there is what voting is for. A camera that is turned, or a robot that wears another's barcode, is wrong
+all the time. Each sighting has two suspects: the camera that took it and the identity that it names. The one with the larger
+share of contradicted sightings is put aside; what it says is then judged but not merged.
 """
 
 from __future__ import annotations

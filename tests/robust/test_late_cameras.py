@@ -66,7 +66,7 @@ def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
     (event,) = told(beliefs)
     assert (event.robot, event.aside) == (GUILTY, True)
     assert 0.2 < event.delay < 0.9  # it is told once it is sure that it is not 0.2 s or less
-    assert beliefs[-1].offsets.mean[GUILTY, 4] == pytest.approx(0.6, abs=0.2)
+    assert beliefs[-1].offsets.delay[GUILTY] == pytest.approx(0.6, abs=0.2)
     assert "camera of robot 1 suspected to be late" in str(event)
     assert "no proof" in str(event)
     (restart,) = [

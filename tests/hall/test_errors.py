@@ -5,12 +5,15 @@ import importlib
 import inspect
 import pickle
 import pkgutil
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import experiments
 import filter as filter_package
@@ -25,14 +28,14 @@ for package in (filter_package, experiments, sim):
 
 # Something for every parameter that an error of ours is made from, by its annotation.
 SAMPLES = {
-    "str": "words",
-    "float": 1.5,
-    "int": 3,
-    "Path": Path("folder/log.jsonl"),
-    "Any": [1.0, "anything"],
-    "object": "a reason",
-    "Sequence[Any]": [Source("range", 0.5, 1, 2), Source("compass", 0.5, 1)],
-    "NDArray[np.float64]": np.array([[1.0, 0.0], [0.0, 0.0]]),
+    str: "words",
+    float: 1.5,
+    int: 3,
+    Path: Path("folder/log.jsonl"),
+    Any: [1.0, "anything"],
+    object: "a reason",
+    Sequence[Any]: [Source("range", 0.5, 1, 2), Source("compass", 0.5, 1)],
+    NDArray[np.float64]: np.array([[1.0, 0.0], [0.0, 0.0]]),
 }
 
 
@@ -43,7 +46,7 @@ def kinds(base=CorralError):
 def made(kind):
     if not any("__init__" in vars(each) for each in kind.__mro__ if issubclass(each, CorralError)):
         return kind("words")
-    return kind(*(SAMPLES[each.annotation] for each in inspect.signature(kind).parameters.values()))
+    return kind(*(SAMPLES[each.annotation] for each in inspect.signature(kind, eval_str=True).parameters.values()))
 
 
 def same(one, other):

@@ -68,7 +68,7 @@ def test_a_regions_supports_are_those_of_the_merged_polytope(seed, exact, monkey
     monkeypatch.setattr(
         set_membership,
         "refined",
-        lambda time, polytope, *rest, **more: caught.append(polytope) or original(time, polytope, *rest, **more),
+        lambda belief, *rest, **more: caught.append(belief.polytope) or original(belief, *rest, **more),
     )
     world = World(np.random.default_rng(seed), robots=3)
     estimator = SetMembershipFilter(world.team, stop=TIGHT) if exact else searching(world, "piqp")

@@ -70,9 +70,9 @@ class Checked(Frozen):
         return {name: kind.metadata["check"](getattr(self, name)) for name, kind in kinds if kind.metadata}
 
 
-def checked(check: Callable[..., Any], name: str, *limits: Any) -> dict[str, Any]:
-    """Return a field's metadata: which of the checks below it has to pass, under which name and within which limits."""
-    return {"check": lambda value: check(name, value, *limits)}
+def checked(check: Callable[..., Any], name: str, *limits: Any, optional: bool = False) -> dict[str, Any]:
+    """Return a field's metadata: the check below that it has to pass, its name and limits, and whether None will do, too."""
+    return {"check": lambda value: None if optional and value is None else check(name, value, *limits)}
 
 
 class Table(Frozen):
@@ -130,22 +130,19 @@ class Lists(Frozen):
         """Return some of the lists, by (k,) index."""
         items, first = places(self.first, index)
         which = {name: index if name in self.of_lists else items for name in self._columns()}
-        return self._of(first, {name: getattr(self, name)[some] for name, some in which.items()})
+        columns = {name: getattr(self, name)[some] for name, some in which.items()}
+        return type(self)(**columns | {"first": first})
 
     @classmethod
     def concatenate(cls, parts: Sequence[Self]) -> Self:
         """Return the lists of all parts, in their order."""
         counts = np.concatenate([np.zeros(1, dtype=np.int64), *(part.counts for part in parts)])
         columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in cls._columns()}
-        return cls._of(np.cumsum(counts), columns)
+        return cls(**columns | {"first": np.cumsum(counts)})
 
     @classmethod
     def _columns(cls) -> list[str]:
         return [name for name in cls.__dataclass_fields__ if name != "first"]
-
-    @classmethod
-    def _of(cls, first: Integers, columns: dict[str, NDArray[Any]]) -> Self:
-        return cls(**columns, **{"first": first})
 
 
 def shown(value: Any) -> str:

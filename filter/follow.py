@@ -6,12 +6,9 @@ from itertools import pairwise
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 from filter.arrays import Checked, checked, function, instance, number, one_by_one
-from filter.frame import Frame
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Measurement, Odometry, measurements_of
-
-MotionBetween = Callable[[float, float], Odometry | None]  # from one time to another
+from filter.measurements import Frame, Measurement, Odometry, measurements_of
 
 
 class Timed(Protocol):
@@ -146,19 +143,16 @@ class FixedLag(Checked, Generic[AnyBelief]):
     """Merges measurements that are late by at most a fixed lag as if they had come in order; later ones are refused.
 
     The result is that of the inner filter with the same measurements in order, bit for bit, if their order within one instant
-    makes no difference to it.
+    makes no difference to it. Raises `InvalidInput` if the lag is negative or not finite, or an attribute of another type.
 
     Attributes:
         inner: The filter that does the work.
         motion: The robots' motion from one time to another, both not before the oldest step; None where nothing is known.
         lag: How late a measurement may be, from 0 on [s].
-
-    Raises:
-        InvalidInput: The lag is negative or not finite, the inner filter is none, or the motion is no function.
     """
 
     inner: Filter[AnyBelief] = field(metadata=checked(_filter, "a filter"))
-    motion: MotionBetween = field(metadata=checked(function, "motion"))
+    motion: Callable[[float, float], Odometry | None] = field(metadata=checked(function, "motion"))
     lag: float = field(default=1.0, metadata=checked(number, "lag [s]", 0))
 
     def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:

@@ -1,8 +1,9 @@
-"""What sensors say: records with a value and a bound, one or many at a time.
+"""What sensors say: records with a value and a bound, one or many at a time; and what one instant gives, with the truth.
 
 A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array, and
 numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats or of
-whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not.
+whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not. Every record raises
+`InvalidInput` if a value is of another type, not finite, or out of its range, or if the columns differ in length.
 
 Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
 +- bound, always: a bound is a promise, not a deviation.
@@ -14,7 +15,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Checked, Floats, Integers, checked, finite, number, read_only, settle, several, whole
+from filter.arrays import (
+    Array,
+    Checked,
+    Floats,
+    Integers,
+    checked,
+    finite,
+    floats,
+    instance,
+    number,
+    read_only,
+    settle,
+    several,
+    whole,
+)
 from filter.errors import InvalidInput
 
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
@@ -60,9 +75,6 @@ class Compass(_Record):
         robot: (k,) who measured.
         heading: (k,) measured yaw, counter-clockwise from +x [rad].
         bound: (k,) largest error, in [0, pi] [rad].
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range.
     """
 
     time: float = field(metadata=TIME)
@@ -82,12 +94,9 @@ class Bearing(_Sighting):
     Attributes:
         time: When [s].
         robot: (k,) who measured.
-        target: (k,) robot or landmark that was seen.
+        target: (k,) robot or landmark that was seen, not itself.
         bearing: (k,) measured angle from the robot's forward axis, counter-clockwise [rad].
         bound: (k,) largest error, in [0, pi/2) [rad].
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range, or a robot measures itself.
     """
 
     time: float = field(metadata=TIME)
@@ -108,13 +117,10 @@ class Range(_Sighting):
     Attributes:
         time: When [s].
         robot: (k,) who measured.
-        target: (k,) robot or landmark that was seen.
+        target: (k,) robot or landmark that was seen, not itself.
         range: (k,) measured distance, from 0 on [m].
         bound: (k,) largest absolute error, from 0 on [m].
         relative_bound: (k,) largest relative error, in [0, 1).
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range, or a robot measures itself.
     """
 
     time: float = field(metadata=TIME)
@@ -153,7 +159,7 @@ class Odometry(_Record):
 
     Attributes:
         start: Beginning of the motion [s].
-        time: End of the motion [s].
+        time: End of the motion, not before its start [s].
         robot: (k,) who moved; at most once each.
         distance: (k,) path length, negative when driving backwards [m].
         distance_bound: (k,) its largest error [m].
@@ -161,9 +167,6 @@ class Odometry(_Record):
         turn_bound: (k,) its largest error, from 0 on [rad].
         direction_bound: (k,) largest deviation of the motion's direction, in [0, pi/2) [rad].
         slip_bound: (k,) largest further displacement [m].
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range, time runs backwards, or a robot comes twice.
     """
 
     start: float = field(metadata=checked(number, "start [s]"))
@@ -197,6 +200,56 @@ class Odometry(_Record):
             raise InvalidInput(f"odometry that ends at its start or later, from {self.start!r} s on", f"{self.time!r} s")
         if len(np.unique(self.robot)) < len(self.robot):
             raise InvalidInput("odometry: each robot at most once", f"robots {self.robot.tolist()}")
+
+
+@dataclass(frozen=True, eq=False)
+class Truth(Checked):
+    """Where the robots are. Raises `InvalidInput` if these are no numbers, or not as many.
+
+    Attributes:
+        positions: (n, 2) [m]; NaN where nobody knows.
+        headings: (n,) yaw in (-pi, pi] [rad].
+    """
+
+    positions: Array = field(metadata=checked(floats, "positions [m]"))
+    headings: Array = field(metadata=checked(floats, "headings [rad]"))
+
+    if TYPE_CHECKING:  # sequences are taken, arrays are kept
+
+        def __init__(self, positions: Floats, headings: Floats) -> None: ...
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positions, headings = self.positions.shape, self.headings.shape
+        if len(headings) != 1 or positions != (*headings, 2):
+            raise InvalidInput("positions (n, 2) and headings (n,)", f"shapes {positions} and {headings}")
+
+
+@dataclass(frozen=True, eq=False)
+class Frame(Checked):
+    """One instant of an episode or a log. Raises `InvalidInput` if something is of another type.
+
+    Attributes:
+        time: When [s].
+        odometry: The motion since the previous frame, or None in the first one and where nothing is known of it.
+        measurements: What was measured at this instant.
+        truth: Where the robots are, or None where nobody knows.
+    """
+
+    time: float = field(metadata=TIME)
+    odometry: Odometry | None = field(default=None, metadata=checked(instance, "odometry", Odometry, type(None)))
+    measurements: tuple[Measurement, ...] = field(default=(), metadata={"check": measurements_of})
+    truth: Truth | None = field(default=None, metadata=checked(instance, "truth", Truth, type(None)))
+
+    if TYPE_CHECKING:  # whatever holds records is taken, a tuple is kept
+
+        def __init__(
+            self,
+            time: float,
+            odometry: Odometry | None = ...,
+            measurements: Iterable[Measurement] = ...,
+            truth: Truth | None = ...,
+        ) -> None: ...
 
 
 def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:

@@ -9,9 +9,8 @@ import numpy as np
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.measurements import Compass, Measurement, field_names
-from filter.sets.belief import Belief
-from filter.sets.events import Rejected
-from filter.sets.merge import KIND_OF
+from filter.sensing.rows import KIND_OF
+from filter.sets.belief import Belief, Rejected
 
 # So many sets of measurements are tried before the search for the fewest is given up.
 TRIES = 64
@@ -19,7 +18,7 @@ NOTHING_TO_DROP = "no measurement of this update is in the conflict, to be dropp
 
 Merge = Callable[[tuple[Measurement, ...]], Belief]
 Reading = tuple[int, int]  # of which record, in which place of it
-Dropped = dict[Reading, tuple[Source, ...]]  # with the conflict in which it was dropped
+Dropped = dict[Reading, Rejected]
 
 
 def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
@@ -71,8 +70,8 @@ class _Rejection:
             found = self._tried(dropped)
             if isinstance(found, Belief):
                 return found
-            for candidate in self._candidates(found, dropped):
-                more = dropped | {candidate: found.sources}
+            for reading, event in self._candidates(found, dropped).items():
+                more = dropped | {reading: event}
                 if frozenset(more) not in seen:
                     seen.add(frozenset(more))
                     waiting.append(more)
@@ -86,9 +85,9 @@ class _Rejection:
             candidates = self._candidates(found, dropped)
             if not candidates:
                 raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
-            dropped = dropped | {candidates[0]: found.sources}
+            dropped = dropped | dict([next(iter(candidates.items()))])
         for reading in sorted(dropped):
-            fewer = {other: conflict for other, conflict in dropped.items() if other != reading}
+            fewer = {other: event for other, event in dropped.items() if other != reading}
             again = self._tried(fewer)
             if isinstance(again, Belief):
                 found, dropped = again, fewer
@@ -99,13 +98,12 @@ class _Rejection:
             belief = self._merge(without(self._measurements, dropped))
         except Inconsistent as error:
             return error
-        events = tuple(Rejected(self._single[reading], dropped[reading]) for reading in sorted(dropped))
-        return replace(belief, events=events + belief.events)
+        return replace(belief, events=tuple(dropped[reading] for reading in sorted(dropped)) + belief.events)
 
-    def _candidates(self, conflict: Inconsistent, dropped: Dropped) -> list[Reading]:
+    def _candidates(self, conflict: Inconsistent, dropped: Dropped) -> Dropped:
         """Return what is left of the conflict's measurements, the newest first, and of the compasses that they rest on."""
-        left = [(reading, source) for reading, source in reversed(self._single.items()) if reading not in dropped]
-        named = [(reading, source) for reading, source in left if source in conflict.sources]
-        rest_on = {source.robot for _, source in named if source.kind != "compass"}
-        compasses = [reading for reading, source in left if source.kind == "compass" and source.robot in rest_on]
-        return list(dict.fromkeys([reading for reading, _ in named] + compasses))
+        left = {reading: source for reading, source in reversed(self._single.items()) if reading not in dropped}
+        named = {reading: source for reading, source in left.items() if source in conflict.sources}
+        rest_on = {source.robot for source in named.values() if source.kind != "compass"}
+        compasses = {each: source for each, source in left.items() if source.kind == "compass" and source.robot in rest_on}
+        return {reading: Rejected(source, conflict.sources) for reading, source in (named | compasses).items()}

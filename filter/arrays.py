@@ -97,11 +97,9 @@ class Table(Frozen):
 
 
 def places(first: Integers, index: Integers) -> tuple[Integers, Integers]:
-    """Return the places of what some of n lists hold, one list after the other, and where each list then begins.
+    """Return the places of what some of n lists, by (k,) index, hold, one after the other, and where each then begins.
 
-    Args:
-        first: (n + 1,) where the lists begin that lie end to end.
-        index: (k,) which lists.
+    The lists lie end to end; `first`, (n + 1,), is where they begin.
     """
     counts = first[index + 1] - first[index]
     begins = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])

@@ -9,27 +9,13 @@ Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landm
 +- bound, always: a bound is a promise, not a deviation.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import (
-    Array,
-    Checked,
-    Floats,
-    Integers,
-    checked,
-    finite,
-    floats,
-    instance,
-    number,
-    read_only,
-    settle,
-    several,
-    whole,
-)
+from filter.arrays import Array, Checked, Floats, Integers, checked, finite, floats, instance, number, several, whole
 from filter.errors import InvalidInput
 
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
@@ -39,8 +25,8 @@ BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
 class _Record(Checked):
     """Base of records: all columns get the length of the longest."""
 
-    def __post_init__(self) -> None:
-        kind, values = type(self).__name__, self._passed()
+    def _passed(self) -> dict[str, Any]:
+        kind, values = type(self).__name__, super()._passed()
         columns = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
         try:
             arrays = np.broadcast_arrays(*map(np.atleast_1d, columns.values()))
@@ -49,7 +35,7 @@ class _Record(Checked):
             raise InvalidInput(f"{kind}: columns of one length", lengths) from None
         if arrays[0].ndim != 1:
             raise InvalidInput(f"{kind}: numbers or (k,) columns", f"shape {arrays[0].shape}")
-        settle(self, **values | dict(zip(columns, map(read_only, arrays), strict=True)))
+        return values | dict(zip(columns, arrays, strict=True))
 
 
 class _Sighting(_Record):
@@ -232,24 +218,14 @@ class Frame(Checked):
     Attributes:
         time: When [s].
         odometry: The motion since the previous frame, or None in the first one and where nothing is known of it.
-        measurements: What was measured at this instant.
+        measurements: What was measured at this instant; kept as a tuple.
         truth: Where the robots are, or None where nobody knows.
     """
 
     time: float = field(metadata=TIME)
     odometry: Odometry | None = field(default=None, metadata=checked(instance, "odometry", Odometry, type(None)))
-    measurements: tuple[Measurement, ...] = field(default=(), metadata={"check": measurements_of})
+    measurements: Sequence[Measurement] = field(default=(), metadata={"check": measurements_of})
     truth: Truth | None = field(default=None, metadata=checked(instance, "truth", Truth, type(None)))
-
-    if TYPE_CHECKING:  # whatever holds records is taken, a tuple is kept
-
-        def __init__(
-            self,
-            time: float,
-            odometry: Odometry | None = ...,
-            measurements: Iterable[Measurement] = ...,
-            truth: Truth | None = ...,
-        ) -> None: ...
 
 
 def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:

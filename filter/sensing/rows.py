@@ -120,8 +120,7 @@ def narrowed_headings(
 ) -> AngularIntervals:
     """Return the (n) headings after compasses, and bearings to targets whose direction the polytope roughly tells [rad].
 
-    Raises:
-        Inconsistent: What is known and measured of a heading is proved to have nothing in common.
+    Raises `Inconsistent` if what is known and measured of a heading is proved to have nothing in common.
     """
     found, sources = [AngularIntervals.circles(0)], Sources()
     for record in measurements:

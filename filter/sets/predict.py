@@ -21,8 +21,7 @@ from filter.sets.belief import Belief
 def moved(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Polytope, Sources]:
     """Return a belief's polytope after its robots have moved, within the arena (2, 2) [m], and its table of sources.
 
-    Raises:
-        Inconsistent: A robot has left the arena for sure.
+    Raises `Inconsistent` if a robot has left the arena for sure.
     """
     lower, upper = _moved_box(belief, time, moves, arena)
     corners, sources = rows_through_corners(belief, moves, belief.sources)

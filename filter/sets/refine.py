@@ -35,10 +35,8 @@ def refined(belief: Belief, projector: Projector, *, is_over: IsOver = never) ->
     """Return a belief with every robot's region projected; its edges are the only rows on single robots then.
 
     Those whose regions were refined longest ago come first: when time is up, the others' regions are what is known of them at
-    a glance. The proofs are those of every edge, then of every side of the boxes.
-
-    Raises:
-        Inconsistent: The polytope is proved to be empty.
+    a glance. The proofs are those of every edge, then of every side of the boxes. Raises `Inconsistent` if the polytope is
+    proved to be empty.
     """
     polytope, sources = belief.polytope, belief.sources
     robots = np.arange(len(polytope.lower))
@@ -127,12 +125,7 @@ def proved_boxes(
 ) -> tuple[Array, Array, Proof]:
     """Return lower and upper corners (n, 2) of a polytope's box, made smaller around the polygons of robots (k,), and why.
 
-    Args:
-        polytope: Its box is where each proof starts.
-        sources: The table of the edges.
-        outlines: (n) of all robots.
-        edges: Their edges as rows, and (e,) which of these each is, or their number for none.
-        robots: (k,) whose boxes are made smaller.
+    The outlines are those of all n robots, with their edges as rows (see `edges_as_rows`), whose sources are in the table.
     """
     (rows, row), outer, asked = edges, outlines.outer, len(robots) * len(SIDES)
     box, nobody = (polytope.lower, polytope.upper), np.full(len(outer), WORLD)

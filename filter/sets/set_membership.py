@@ -134,8 +134,7 @@ class SetMembershipFilter(Checked):
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
         """Return (g) polygons that contain x_j - x_i, where robots j (g,) are as seen from robots i (g,) (eq. 3) [m].
 
-        Raises:
-            InvalidInput: These are no pairs of two robots of the team.
+        Raises `InvalidInput` if these are no pairs of two robots of the team.
         """
         one, other = whole("robots of pairs", i), whole("robots of pairs", j)
         largest = max(one.max(initial=0), other.max(initial=0))

@@ -19,22 +19,16 @@ Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Floats = ArrayLike
 
-# Beyond this a product of two lengths can overflow; nothing a robot measures is near it.
-LARGEST = 1e100
-# No team has more: a larger number is a slip, and would fill the memory.
-MOST_ROBOTS = 1_000_000
+LARGEST = 1e100  # beyond this a product of two lengths can overflow; nothing a robot measures is near it
+MOST_ROBOTS = 1_000_000  # no team has more: a larger number is a slip, and would fill the memory
 MAX_INDEX = np.iinfo(np.int64).max
-# So many characters of what came are shown.
-SHOWN = 120
+SHOWN = 120  # so many characters of what came are shown
 REAL = (int, float, Fraction, Decimal, np.integer, np.floating)
 NOT_REAL = (bool, np.timedelta64)  # though they are integers to Python and to numpy
 
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the array itself, made read-only, or a read-only copy of a view.
-
-    For arrays that were just made: what a caller may still write to is copied first, as `finite` and `whole` do.
-    """
+    """Return the array itself, made read-only, or a read-only copy of a view; for arrays that no caller may still write to."""
     if not isinstance(values, np.ndarray):
         raise InvalidInput("a numpy array", shown(values))
     owned = values if values.flags.owndata else values.copy()
@@ -49,25 +43,17 @@ def settle(record: object, **checked: Any) -> None:
 
 
 class Frozen:
-    """Base of frozen dataclasses: the arrays among their fields are made read-only."""
+    """Base of frozen dataclasses: fields become what the checks in their metadata make of them, and arrays read-only."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def __post_init__(self) -> None:
-        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        settle(self, **{name: read_only(value) for name, value in values.items() if isinstance(value, np.ndarray)})
-
-
-class Checked(Frozen):
-    """Base of frozen dataclasses that a caller makes: fields become what the checks in their metadata make of them."""
-
-    def __post_init__(self) -> None:
-        settle(self, **self._passed())
-        super().__post_init__()
+        passed = self._passed().items()
+        settle(self, **{name: read_only(value) if isinstance(value, np.ndarray) else value for name, value in passed})
 
     def _passed(self) -> dict[str, Any]:
-        kinds = self.__dataclass_fields__.items()
-        return {name: kind.metadata["check"](getattr(self, name)) for name, kind in kinds if kind.metadata}
+        values = ((name, kind, getattr(self, name)) for name, kind in self.__dataclass_fields__.items())
+        return {name: kind.metadata["check"](value) if kind.metadata else value for name, kind, value in values}
 
 
 def checked(check: Callable[..., Any], name: str, *limits: Any, optional: bool = False) -> dict[str, Any]:
@@ -172,12 +158,9 @@ def _masked(values: Any, depth: int = 3) -> bool:
 
 
 def _as_floats(array: NDArray[Any]) -> Array | None:
-    real = array.dtype.kind in "fiu" or (array.dtype.kind == "O" and all(map(_is_real, array.flat)))
-    return array.astype(np.float64, copy=False) if real else None
-
-
-def _is_real(value: Any) -> bool:
-    return isinstance(value, REAL) and not isinstance(value, NOT_REAL)
+    kind = array.dtype.kind
+    real = kind == "O" and all(isinstance(each, REAL) and not isinstance(each, NOT_REAL) for each in array.flat)
+    return array.astype(np.float64, copy=False) if real or kind in "fiu" else None
 
 
 def _as_whole(array: NDArray[Any]) -> NDArray[Any] | None:
@@ -221,9 +204,7 @@ def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Intege
     """Return a copy of whole numbers from `low` to `high`, none of them a float or masked."""
     expected = f"{name}: whole numbers from {low} " + ("on" if high == MAX_INDEX else f"to {high}")
     array = _made(expected, values, _as_whole)
-    right = array >= low
-    if high < MAX_INDEX or array.dtype.kind == "u":
-        right &= array <= high
+    right = (array >= low) & (array <= high)
     if not right.all():
         raise InvalidInput(expected, array[~right].flat[0].item())
     return array.astype(np.int64, copy=False)

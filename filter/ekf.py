@@ -1,9 +1,7 @@
 """The baseline: one joint extended Kalman filter over all robots' x, y and heading, with every cross-covariance.
 
 The collective form of S. I. Roumeliotis and G. A. Bekey, Distributed multirobot localization, IEEE Transactions on
-Robotics and Automation 18(5), 2002. It takes the same records as the set-membership filter and has the same shape: a
-belief goes in and a new belief comes out. It promises nothing: its regions hold with a probability, if its noise model is
-right.
+Robotics and Automation 18(5), 2002. It promises nothing: its regions hold with a probability, if its noise model is right.
 """
 
 from __future__ import annotations
@@ -14,7 +12,7 @@ from math import erfc
 
 import numpy as np
 
-from filter.arrays import Array, Checked, Mask, checked, finite, instance, positive, settle, whole_number
+from filter.arrays import Array, Frozen, checked, finite, instance, positive, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -55,7 +53,7 @@ class NoiseModel:
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianBelief(Checked):
+class GaussianBelief(Frozen):
     """What the Kalman filter believes at one time. Raises `InvalidInput` if a value is not finite, or of another type or shape.
 
     Attributes:
@@ -97,7 +95,7 @@ class GaussianBelief(Checked):
 
 
 @dataclass(frozen=True, eq=False)
-class ExtendedKalmanFilter(Checked):
+class ExtendedKalmanFilter(Frozen):
     """The joint extended Kalman filter of a team: a `Filter`, which also refuses what is too large to be weighed.
 
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
@@ -163,7 +161,9 @@ class ExtendedKalmanFilter(Checked):
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
         if self.gate is not None:
-            kept = _passes(belief, innovation, H, variance, self.gate)
+            spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
+            sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
+            kept = np.array([erfc(size) for size in sizes]) >= 1 - self.gate
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
         rejected, P = belief.rejected + len(record.robot) - len(innovation), belief.covariance
         K = _solved(H @ P @ H.T + np.diag(variance), H @ P).T
@@ -199,13 +199,6 @@ class ExtendedKalmanFilter(Checked):
             H[rows, STATES * robot + axis] -= slope[:, axis]
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
-
-
-def _passes(belief: GaussianBelief, innovation: Array, H: Array, variance: Array, gate: float) -> Mask:
-    """Return (k,) whether the probability of an innovation no larger is within the gate."""
-    spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
-    sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
-    return np.array([erfc(size) for size in sizes]) >= 1 - gate
 
 
 def _solved(S: Array, right: Array) -> Array:

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Checked, Floats, Integers, checked, finite, floats, instance, number, several, whole
+from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, floats, instance, number, several, whole
 from filter.errors import InvalidInput
 
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
 
 
-class _Record(Checked):
+class _Record(Frozen):
     """Base of records: all columns get the length of the longest."""
 
     def _passed(self) -> dict[str, Any]:
@@ -189,7 +189,7 @@ class Odometry(_Record):
 
 
 @dataclass(frozen=True, eq=False)
-class Truth(Checked):
+class Truth(Frozen):
     """Where the robots are. Raises `InvalidInput` if these are no numbers, or not as many.
 
     Attributes:
@@ -212,7 +212,7 @@ class Truth(Checked):
 
 
 @dataclass(frozen=True, eq=False)
-class Frame(Checked):
+class Frame(Frozen):
     """One instant of an episode or a log. Raises `InvalidInput` if something is of another type.
 
     Attributes:

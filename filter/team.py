@@ -10,8 +10,8 @@ from filter.arrays import (
     LARGEST,
     MOST_ROBOTS,
     Array,
-    Checked,
     Floats,
+    Frozen,
     checked,
     finite,
     floats,
@@ -45,7 +45,7 @@ def _box(name: str, values: Floats) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Team(Checked):
+class Team(Frozen):
     """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ... Raises `InvalidInput` if a value is out of its range.
 
     Attributes:

@@ -35,10 +35,7 @@ def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
 
 
 def heading_arcs_of_bearing(record: Bearing, spans: AngularIntervals) -> AngularIntervals:
-    """Return (k) arcs that contain the measuring robots' headings, where (k) spans hold the targets' directions [rad].
-
-    A target known to lie in the span [a, b] and seen at the bearing beta +- d bounds the heading by [a, b] - beta +- d.
-    """
+    """Return (k) arcs that contain the measuring robots' headings, where (k) spans hold the targets' directions [rad]."""
     return spans.turned(-record.bearing, record.bound)
 
 
@@ -75,9 +72,7 @@ def range_rows(record: Range, arcs: AngularIntervals, source: Integers, spacing:
 @compiled
 def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, spacing: float) -> Array:
     """Return (r, 4) half-planes around the far and near sides of (k) sectors: which, normal and offset."""
-    most = 0
-    for k in range(len(centre)):
-        most += int(np.ceil(2 * bound[k] / spacing)) + 2
+    most = int(np.ceil(2 * bound / spacing).sum()) + 2 * len(centre)
     rows, count = np.empty((most, 4)), 0
     for k in range(len(centre)):
         normals, offsets = far_and_near(centre[k], bound[k], nearest[k], farthest[k], spacing)

@@ -24,10 +24,8 @@ from filter.sets.regions import Regions
 
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
 SHARES = (1e-2, 1e-4, 1e-6, 0.0)
-
 # Where regions are found in the whole team, pairs are found among those near them: regions have taken the rest along already.
 NEAR = Window(hops=2, robots=12)
-
 Pairs = tuple[Integers, Integers]  # i and j (g) of each
 
 

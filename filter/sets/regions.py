@@ -73,7 +73,7 @@ class Regions(Frozen, Sequence[Region]):
         first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
         cause, is_side = np.empty(first[-1], dtype=np.int64), np.repeat(sides, counts)
         cause[~is_side] = polytope.constraints.source[weights.row]
-        cause[is_side] = polytope.origin[outer.owner[sides]] if len(polytope.origin) else 0
+        cause[is_side] = polytope.origin[outer.owner[sides]]
         return cls(outer, outlines.inner, outlines.searches, outlines.reasons, cause, first)
 
     @classmethod

@@ -12,8 +12,7 @@ from filter.measurements import Compass, Measurement, field_names
 from filter.sensing.rows import KIND_OF
 from filter.sets.belief import Belief, Rejected
 
-# So many sets of measurements are tried before the search for the fewest is given up.
-TRIES = 64
+TRIES = 64  # so many sets of measurements are tried before the search for the fewest is given up
 NOTHING_TO_DROP = "no measurement of this update is in the conflict, to be dropped"
 
 Merge = Callable[[tuple[Measurement, ...]], Belief]
@@ -24,10 +23,7 @@ Dropped = dict[Reading, Rejected]
 def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
     """Merge measurements of one time but those that have to go for the rest to agree; the belief's events say which, and why.
 
-    The later in the sequence counts as the newer.
-
-    Raises:
-        Inconsistent: There is a conflict with none of these measurements in it: nothing can be dropped.
+    The later in the sequence counts as the newer. Raises `Inconsistent` if a conflict has none of them in it.
 
     Algorithm:
         At least one measurement of every conflict has to go. So, breadth first, each of a conflict's measurements is

@@ -6,7 +6,7 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Checked, Integers, checked, function, instance, number, shown, whole, whole_number
+from filter.arrays import Frozen, Integers, checked, function, instance, number, shown, whole, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
@@ -35,7 +35,7 @@ def _unheard(phase: str) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
-class SetMembershipFilter(Checked):
+class SetMembershipFilter(Frozen):
     """A `Filter`: keeps a belief about a moving team that contains the truth as long as every declared bound holds.
 
     Raises `InvalidInput` if an attribute is of another type or out of its range, or no such solver is installed.
@@ -119,9 +119,8 @@ class SetMembershipFilter(Checked):
 
         Their order makes no difference but to arcs wider than half a circle.
 
-        Raises:
-            Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
-                With the policy "reject": and none of these measurements is in the conflict.
+        Raises `Inconsistent` if they are proved to exclude one another or what is known, as some bound is broken; with the
+        policy "reject" only if none of these measurements is in the conflict.
         """
         self.on_phase("headings")
         self.team.check_belief(belief, Belief, "headings")
@@ -132,10 +131,7 @@ class SetMembershipFilter(Checked):
         return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
-        """Return (g) polygons that contain x_j - x_i, where robots j (g,) are as seen from robots i (g,) (eq. 3) [m].
-
-        Raises `InvalidInput` if these are no pairs of two robots of the team.
-        """
+        """Return (g) polygons that contain x_j - x_i of robots i, j (g,) (eq. 3) [m]; `InvalidInput` if these are no pairs."""
         one, other = whole("robots of pairs", i), whole("robots of pairs", j)
         largest = max(one.max(initial=0), other.max(initial=0))
         if one.ndim != 1 or one.shape != other.shape or (one == other).any() or largest >= self.team.robots:

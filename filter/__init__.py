@@ -3,19 +3,18 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, frame, team, linear/,
-sensing/, projection/, sets/, robust/, follow, ekf, watch, warm_up.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, team, linear/, sensing/,
+projection/, sets/, robust/, follow, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange, Unbounded
 from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Step, follow
-from filter.frame import Frame, Truth
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.measurements import Bearing, Compass, Frame, Measurement, Odometry, Range, Truth
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
@@ -23,8 +22,7 @@ from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
-from filter.sets.belief import Belief, Proof
-from filter.sets.events import Event, Fallback, Rejected
+from filter.sets.belief import Belief, Event, Fallback, Proof, Rejected
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
 from filter.team import Team

@@ -19,22 +19,16 @@ Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Floats = ArrayLike
 
-# Beyond this a product of two lengths can overflow; nothing a robot measures is near it.
-LARGEST = 1e100
-# No team has more: a larger number is a slip, and would fill the memory.
-MOST_ROBOTS = 1_000_000
+LARGEST = 1e100  # beyond this a product of two lengths can overflow; nothing a robot measures is near it
+MOST_ROBOTS = 1_000_000  # no team has more: a larger number is a slip, and would fill the memory
 MAX_INDEX = np.iinfo(np.int64).max
-# So many characters of what came are shown.
-SHOWN = 120
+SHOWN = 120  # so many characters of what came are shown
 REAL = (int, float, Fraction, Decimal, np.integer, np.floating)
 NOT_REAL = (bool, np.timedelta64)  # though they are integers to Python and to numpy
 
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the array itself, made read-only, or a read-only copy of a view.
-
-    For arrays that were just made: what a caller may still write to is copied first, as `finite` and `whole` do.
-    """
+    """Return the array itself, made read-only, or a read-only copy of a view; for arrays that no caller may still write to."""
     if not isinstance(values, np.ndarray):
         raise InvalidInput("a numpy array", shown(values))
     owned = values if values.flags.owndata else values.copy()
@@ -49,30 +43,22 @@ def settle(record: object, **checked: Any) -> None:
 
 
 class Frozen:
-    """Base of frozen dataclasses: the arrays among their fields are made read-only."""
+    """Base of frozen dataclasses: fields become what the checks in their metadata make of them, and arrays read-only."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def __post_init__(self) -> None:
-        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        settle(self, **{name: read_only(value) for name, value in values.items() if isinstance(value, np.ndarray)})
-
-
-class Checked(Frozen):
-    """Base of frozen dataclasses that a caller makes: fields become what the checks in their metadata make of them."""
-
-    def __post_init__(self) -> None:
-        settle(self, **self._passed())
-        super().__post_init__()
+        passed = self._passed().items()
+        settle(self, **{name: read_only(value) if isinstance(value, np.ndarray) else value for name, value in passed})
 
     def _passed(self) -> dict[str, Any]:
-        kinds = self.__dataclass_fields__.items()
-        return {name: kind.metadata["check"](getattr(self, name)) for name, kind in kinds if kind.metadata}
+        values = ((name, kind, getattr(self, name)) for name, kind in self.__dataclass_fields__.items())
+        return {name: kind.metadata["check"](value) if kind.metadata else value for name, kind, value in values}
 
 
-def checked(check: Callable[..., Any], name: str, *limits: Any) -> dict[str, Any]:
-    """Return a field's metadata: which of the checks below it has to pass, under which name and within which limits."""
-    return {"check": lambda value: check(name, value, *limits)}
+def checked(check: Callable[..., Any], name: str, *limits: Any, optional: bool = False) -> dict[str, Any]:
+    """Return a field's metadata: the check below that it has to pass, its name and limits, and whether None will do, too."""
+    return {"check": lambda value: None if optional and value is None else check(name, value, *limits)}
 
 
 class Table(Frozen):
@@ -97,11 +83,9 @@ class Table(Frozen):
 
 
 def places(first: Integers, index: Integers) -> tuple[Integers, Integers]:
-    """Return the places of what some of n lists hold, one list after the other, and where each list then begins.
+    """Return the places of what some of n lists, by (k,) index, hold, one after the other, and where each then begins.
 
-    Args:
-        first: (n + 1,) where the lists begin that lie end to end.
-        index: (k,) which lists.
+    The lists lie end to end; `first`, (n + 1,), is where they begin.
     """
     counts = first[index + 1] - first[index]
     begins = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
@@ -130,22 +114,19 @@ class Lists(Frozen):
         """Return some of the lists, by (k,) index."""
         items, first = places(self.first, index)
         which = {name: index if name in self.of_lists else items for name in self._columns()}
-        return self._of(first, {name: getattr(self, name)[some] for name, some in which.items()})
+        columns = {name: getattr(self, name)[some] for name, some in which.items()}
+        return type(self)(**columns | {"first": first})
 
     @classmethod
     def concatenate(cls, parts: Sequence[Self]) -> Self:
         """Return the lists of all parts, in their order."""
         counts = np.concatenate([np.zeros(1, dtype=np.int64), *(part.counts for part in parts)])
         columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in cls._columns()}
-        return cls._of(np.cumsum(counts), columns)
+        return cls(**columns | {"first": np.cumsum(counts)})
 
     @classmethod
     def _columns(cls) -> list[str]:
         return [name for name in cls.__dataclass_fields__ if name != "first"]
-
-    @classmethod
-    def _of(cls, first: Integers, columns: dict[str, NDArray[Any]]) -> Self:
-        return cls(**columns, **{"first": first})
 
 
 def shown(value: Any) -> str:
@@ -177,12 +158,9 @@ def _masked(values: Any, depth: int = 3) -> bool:
 
 
 def _as_floats(array: NDArray[Any]) -> Array | None:
-    real = array.dtype.kind in "fiu" or (array.dtype.kind == "O" and all(map(_is_real, array.flat)))
-    return array.astype(np.float64, copy=False) if real else None
-
-
-def _is_real(value: Any) -> bool:
-    return isinstance(value, REAL) and not isinstance(value, NOT_REAL)
+    kind = array.dtype.kind
+    real = kind == "O" and all(isinstance(each, REAL) and not isinstance(each, NOT_REAL) for each in array.flat)
+    return array.astype(np.float64, copy=False) if real or kind in "fiu" else None
 
 
 def _as_whole(array: NDArray[Any]) -> NDArray[Any] | None:
@@ -226,9 +204,7 @@ def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Intege
     """Return a copy of whole numbers from `low` to `high`, none of them a float or masked."""
     expected = f"{name}: whole numbers from {low} " + ("on" if high == MAX_INDEX else f"to {high}")
     array = _made(expected, values, _as_whole)
-    right = array >= low
-    if high < MAX_INDEX or array.dtype.kind == "u":
-        right &= array <= high
+    right = (array >= low) & (array <= high)
     if not right.all():
         raise InvalidInput(expected, array[~right].flat[0].item())
     return array.astype(np.int64, copy=False)

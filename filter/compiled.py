@@ -3,13 +3,13 @@
 Numba keeps compiled functions on disk, but looks only at the file a function is in, not at what it calls. So the folder
 where they are kept is named after the contents of the whole filter: a change to a file of it makes all of them new.
 
-**What is compiled.** Only what Python calls. A function that a compiled one calls is a part of that one, with all that it
-calls in turn: it is optimised and translated there, once, and not on each level on the way, as numba does by itself.
+**What is compiled.** Only what Python calls. All that a compiled function calls is a part of it, optimised and translated
+there, once, and not on each level on the way, as numba does by itself.
 
-**What Python calls.** A compiled function that is called from Python takes arrays, numbers, tuples and named tuples, no lists;
-it returns nothing, numbers, a tuple of numbers, or one array that it has made. Whatever else it finds it writes into arrays
-that its caller has made. For numba calls Python to hand out an array or a named tuple, and there a signal's handler may
-raise: the exception is then lost, or the process crashes. Among themselves compiled functions are free.
+**What Python calls** takes arrays, numbers, tuples and named tuples, no lists; it returns nothing, numbers, a tuple of numbers,
+or one array that it has made, and writes whatever else it finds into arrays that its caller has made. For numba calls Python to
+hand out an array or a named tuple, and there a signal's handler may raise: the exception is then lost, or the process crashes.
+Among themselves compiled functions are free.
 """
 
 from __future__ import annotations

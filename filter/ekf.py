@@ -1,9 +1,7 @@
 """The baseline: one joint extended Kalman filter over all robots' x, y and heading, with every cross-covariance.
 
 The collective form of S. I. Roumeliotis and G. A. Bekey, Distributed multirobot localization, IEEE Transactions on
-Robotics and Automation 18(5), 2002. It takes the same records as the set-membership filter and has the same shape: a
-belief goes in and a new belief comes out. It promises nothing: its regions hold with a probability, if its noise model is
-right.
+Robotics and Automation 18(5), 2002. It promises nothing: its regions hold with a probability, if its noise model is right.
 """
 
 from __future__ import annotations
@@ -14,11 +12,11 @@ from math import erfc
 
 import numpy as np
 
-from filter.arrays import Array, Checked, Mask, checked, finite, instance, positive, settle, whole_number
+from filter.arrays import Array, Frozen, checked, finite, instance, positive, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.measurements import TIME, Bearing, Compass, Measurement, Odometry
+from filter.measurements import BELOW_1, TIME, Bearing, Compass, Measurement, Odometry
 from filter.team import Team
 
 STATES = 3  # x, y, heading
@@ -32,10 +30,8 @@ QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no bel
 class NoiseModel:
     """Standard deviations of the errors, each relative to the declared bound: the one place where the filter is tuned.
 
-    They are those of headings, bearings, ranges, driven distances, turns, the motion's direction, and slip on each axis.
-
-    Raises:
-        InvalidInput: A number is not finite, not above 0, or above 1e6.
+    They are those of headings, bearings, ranges, driven distances, turns, the motion's direction, and slip on each axis. Raises
+    `InvalidInput` unless all are above 0 and up to 1e6.
     """
 
     compass: float = UNIFORM
@@ -57,17 +53,14 @@ class NoiseModel:
 
 
 @dataclass(frozen=True, eq=False)
-class GaussianBelief(Checked):
-    """What the Kalman filter believes at one time.
+class GaussianBelief(Frozen):
+    """What the Kalman filter believes at one time. Raises `InvalidInput` if a value is not finite, or of another type or shape.
 
     Attributes:
         time: When [s].
         mean: (n, 3) x [m], y [m], heading in (-pi, pi] [rad].
         covariance: (3n, 3n) of (x_0, y_0, heading_0, x_1, ...).
         rejected: Number of measurements that the gate has turned away so far.
-
-    Raises:
-        InvalidInput: A value is not finite, or of another type or shape.
     """
 
     time: float = field(metadata=TIME)
@@ -102,27 +95,21 @@ class GaussianBelief(Checked):
 
 
 @dataclass(frozen=True, eq=False)
-class ExtendedKalmanFilter(Checked):
+class ExtendedKalmanFilter(Frozen):
     """The joint extended Kalman filter of a team: a `Filter`, which also refuses what is too large to be weighed.
+
+    Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
     Attributes:
         team: The robots, the landmarks and their limits.
         noise: How the declared bounds become standard deviations.
         gate: Measurements whose normalised innovation squared lies above this quantile of its chi-square distribution
             are rejected, in (0, 1); None to take all.
-
-    Raises:
-        InvalidInput: An attribute is of another type, or the gate out of its range.
     """
 
     team: Team = field(metadata=checked(instance, "team", Team))
     noise: NoiseModel = field(default_factory=NoiseModel, metadata=checked(instance, "noise", NoiseModel))
-    gate: float | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.gate is not None:
-            settle(self, gate=positive("gate quantile", self.gate, np.nextafter(1.0, 0)))
+    gate: float | None = field(default=None, metadata=checked(positive, "gate quantile", BELOW_1, optional=True))
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> GaussianBelief:
         """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets."""
@@ -174,7 +161,9 @@ class ExtendedKalmanFilter(Checked):
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
         if self.gate is not None:
-            kept = _passes(belief, innovation, H, variance, self.gate)
+            spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
+            sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
+            kept = np.array([erfc(size) for size in sizes]) >= 1 - self.gate
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
         rejected, P = belief.rejected + len(record.robot) - len(innovation), belief.covariance
         K = _solved(H @ P @ H.T + np.diag(variance), H @ P).T
@@ -210,13 +199,6 @@ class ExtendedKalmanFilter(Checked):
             H[rows, STATES * robot + axis] -= slope[:, axis]
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
-
-
-def _passes(belief: GaussianBelief, innovation: Array, H: Array, variance: Array, gate: float) -> Mask:
-    """Return (k,) whether the probability of an innovation no larger is within the gate."""
-    spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
-    sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
-    return np.array([erfc(size) for size in sizes]) >= 1 - gate
 
 
 def _solved(S: Array, right: Array) -> Array:

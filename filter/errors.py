@@ -14,14 +14,8 @@ class CorralError(Exception):
     """Base of every error that Corral raises on purpose. Errors can be copied and pickled, with all that they carry."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _as_it_was, (type(self), self.args), self.__dict__
-
-
-def _as_it_was(kind: type[CorralError], words: tuple[Any, ...]) -> CorralError:
-    """Return an error with words that are found already: it is not made from them, but from what it carries."""
-    error = kind.__new__(kind)
-    error.args = words
-    return error
+        # Not by `__init__`, which finds the words anew from what they were made from.
+        return type(self).__new__, (type(self), *self.args), self.__dict__
 
 
 class InvalidInput(CorralError, ValueError):

@@ -5,13 +5,10 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
-from filter.arrays import Checked, checked, function, instance, number, one_by_one
-from filter.frame import Frame
+from filter.arrays import Frozen, checked, function, instance, number, one_by_one
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Measurement, Odometry, measurements_of
-
-MotionBetween = Callable[[float, float], Odometry | None]  # from one time to another
+from filter.measurements import Frame, Measurement, Odometry, measurements_of
 
 
 class Timed(Protocol):
@@ -80,17 +77,14 @@ def follow(
 ) -> Iterator[Step[AnyBelief]]:
     """Yield the filter's step at every frame: predict with its odometry, then update with its measurements.
 
-    A frame at the belief's own time, as the first one often is, needs no prediction.
+    A frame at the belief's own time, as the first one often is, needs no prediction. Raises `InvalidInput` if something is no
+    filter, no belief, no frame or no clock, and what the filter raises, such as `OutOfOrder` for a frame that is too early.
 
     Args:
         filter_: Any filter.
         belief: What it knows before the first frame.
         frames: In order of time; each is taken when its step is asked for.
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
-
-    Raises:
-        InvalidInput: Something is no filter, no belief, no frame or no clock.
-        CorralError: What the filter raises, such as `OutOfOrder` for a frame that is earlier than the belief.
     """
     _filter("a filter", filter_)
     _time_of(belief)
@@ -142,23 +136,20 @@ class Lagged(Generic[AnyBelief]):
 
 
 @dataclass(frozen=True, eq=False)
-class FixedLag(Checked, Generic[AnyBelief]):
+class FixedLag(Frozen, Generic[AnyBelief]):
     """Merges measurements that are late by at most a fixed lag as if they had come in order; later ones are refused.
 
     The result is that of the inner filter with the same measurements in order, bit for bit, if their order within one instant
-    makes no difference to it.
+    makes no difference to it. Raises `InvalidInput` if the lag is negative or not finite, or an attribute of another type.
 
     Attributes:
         inner: The filter that does the work.
         motion: The robots' motion from one time to another, both not before the oldest step; None where nothing is known.
         lag: How late a measurement may be, from 0 on [s].
-
-    Raises:
-        InvalidInput: The lag is negative or not finite, the inner filter is none, or the motion is no function.
     """
 
     inner: Filter[AnyBelief] = field(metadata=checked(_filter, "a filter"))
-    motion: MotionBetween = field(metadata=checked(function, "motion"))
+    motion: Callable[[float, float], Odometry | None] = field(metadata=checked(function, "motion"))
     lag: float = field(default=1.0, metadata=checked(number, "lag [s]", 0))
 
     def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
@@ -168,11 +159,8 @@ class FixedLag(Checked, Generic[AnyBelief]):
     def merge(self, lagged: Lagged[AnyBelief], measurements: Sequence[Measurement]) -> Lagged[AnyBelief]:
         """Return what is known after measurements of any times, in any order; what was known stays as it is.
 
-        How late they are is counted from the newest that came before.
-
-        Raises:
-            InvalidInput: Something is no record.
-            CorralError: What the inner filter raises; nothing has changed then.
+        How late they are is counted from the newest that came before. Raises `InvalidInput` if something is no record, and what
+        the inner filter raises; nothing has changed then.
         """
         instance("what is known (see begin)", lagged, Lagged)
         newest, records = lagged.belief.time, measurements_of(measurements)

@@ -1,31 +1,32 @@
-"""What sensors say: records with a value and a bound, one or many at a time.
+"""What sensors say: records with a value and a bound, one or many at a time; and what one instant gives, with the truth.
 
 A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array, and
 numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats or of
-whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not.
+whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not. Every record raises
+`InvalidInput` if a value is of another type, not finite, or out of its range, or if the columns differ in length.
 
 Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
 +- bound, always: a bound is a promise, not a deviation.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from filter.arrays import Array, Checked, Floats, Integers, checked, finite, number, read_only, settle, several, whole
+from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, floats, instance, number, several, whole
 from filter.errors import InvalidInput
 
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
 
 
-class _Record(Checked):
+class _Record(Frozen):
     """Base of records: all columns get the length of the longest."""
 
-    def __post_init__(self) -> None:
-        kind, values = type(self).__name__, self._passed()
+    def _passed(self) -> dict[str, Any]:
+        kind, values = type(self).__name__, super()._passed()
         columns = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
         try:
             arrays = np.broadcast_arrays(*map(np.atleast_1d, columns.values()))
@@ -34,7 +35,7 @@ class _Record(Checked):
             raise InvalidInput(f"{kind}: columns of one length", lengths) from None
         if arrays[0].ndim != 1:
             raise InvalidInput(f"{kind}: numbers or (k,) columns", f"shape {arrays[0].shape}")
-        settle(self, **values | dict(zip(columns, map(read_only, arrays), strict=True)))
+        return values | dict(zip(columns, arrays, strict=True))
 
 
 class _Sighting(_Record):
@@ -60,9 +61,6 @@ class Compass(_Record):
         robot: (k,) who measured.
         heading: (k,) measured yaw, counter-clockwise from +x [rad].
         bound: (k,) largest error, in [0, pi] [rad].
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range.
     """
 
     time: float = field(metadata=TIME)
@@ -82,12 +80,9 @@ class Bearing(_Sighting):
     Attributes:
         time: When [s].
         robot: (k,) who measured.
-        target: (k,) robot or landmark that was seen.
+        target: (k,) robot or landmark that was seen, not itself.
         bearing: (k,) measured angle from the robot's forward axis, counter-clockwise [rad].
         bound: (k,) largest error, in [0, pi/2) [rad].
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range, or a robot measures itself.
     """
 
     time: float = field(metadata=TIME)
@@ -108,13 +103,10 @@ class Range(_Sighting):
     Attributes:
         time: When [s].
         robot: (k,) who measured.
-        target: (k,) robot or landmark that was seen.
+        target: (k,) robot or landmark that was seen, not itself.
         range: (k,) measured distance, from 0 on [m].
         bound: (k,) largest absolute error, from 0 on [m].
         relative_bound: (k,) largest relative error, in [0, 1).
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range, or a robot measures itself.
     """
 
     time: float = field(metadata=TIME)
@@ -153,7 +145,7 @@ class Odometry(_Record):
 
     Attributes:
         start: Beginning of the motion [s].
-        time: End of the motion [s].
+        time: End of the motion, not before its start [s].
         robot: (k,) who moved; at most once each.
         distance: (k,) path length, negative when driving backwards [m].
         distance_bound: (k,) its largest error [m].
@@ -161,9 +153,6 @@ class Odometry(_Record):
         turn_bound: (k,) its largest error, from 0 on [rad].
         direction_bound: (k,) largest deviation of the motion's direction, in [0, pi/2) [rad].
         slip_bound: (k,) largest further displacement [m].
-
-    Raises:
-        InvalidInput: A value is not finite or out of its range, time runs backwards, or a robot comes twice.
     """
 
     start: float = field(metadata=checked(number, "start [s]"))
@@ -197,6 +186,46 @@ class Odometry(_Record):
             raise InvalidInput(f"odometry that ends at its start or later, from {self.start!r} s on", f"{self.time!r} s")
         if len(np.unique(self.robot)) < len(self.robot):
             raise InvalidInput("odometry: each robot at most once", f"robots {self.robot.tolist()}")
+
+
+@dataclass(frozen=True, eq=False)
+class Truth(Frozen):
+    """Where the robots are. Raises `InvalidInput` if these are no numbers, or not as many.
+
+    Attributes:
+        positions: (n, 2) [m]; NaN where nobody knows.
+        headings: (n,) yaw in (-pi, pi] [rad].
+    """
+
+    positions: Array = field(metadata=checked(floats, "positions [m]"))
+    headings: Array = field(metadata=checked(floats, "headings [rad]"))
+
+    if TYPE_CHECKING:  # sequences are taken, arrays are kept
+
+        def __init__(self, positions: Floats, headings: Floats) -> None: ...
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positions, headings = self.positions.shape, self.headings.shape
+        if len(headings) != 1 or positions != (*headings, 2):
+            raise InvalidInput("positions (n, 2) and headings (n,)", f"shapes {positions} and {headings}")
+
+
+@dataclass(frozen=True, eq=False)
+class Frame(Frozen):
+    """One instant of an episode or a log. Raises `InvalidInput` if something is of another type.
+
+    Attributes:
+        time: When [s].
+        odometry: The motion since the previous frame, or None in the first one and where nothing is known of it.
+        measurements: What was measured at this instant; kept as a tuple.
+        truth: Where the robots are, or None where nobody knows.
+    """
+
+    time: float = field(metadata=TIME)
+    odometry: Odometry | None = field(default=None, metadata=checked(instance, "odometry", Odometry, type(None)))
+    measurements: Sequence[Measurement] = field(default=(), metadata={"check": measurements_of})
+    truth: Truth | None = field(default=None, metadata=checked(instance, "truth", Truth, type(None)))
 
 
 def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:

@@ -10,9 +10,8 @@ from filter.arrays import (
     LARGEST,
     MOST_ROBOTS,
     Array,
-    Checked,
     Floats,
-    Integers,
+    Frozen,
     checked,
     finite,
     floats,
@@ -46,18 +45,15 @@ def _box(name: str, values: Floats) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Team(Checked):
-    """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ...
+class Team(Frozen):
+    """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ... Raises `InvalidInput` if a value is out of its range.
 
     Attributes:
         robots: Number of robots n, from 1 to 1 000 000.
         landmarks: (l, 2) known positions of the landmarks [m].
         speed_limit: Greatest speed of a robot without odometry [m/s]; 0 for one that never moves.
         turn_rate_limit: Greatest turn rate of a robot without odometry [rad/s].
-        arena: (2, 2) lower and upper corner of a box that no robot leaves [m]; infinite where there is none.
-
-    Raises:
-        InvalidInput: There is no robot, a value is not finite or out of its range, or the arena is empty.
+        arena: (2, 2) lower and upper corner of a box that no robot leaves, not empty [m]; infinite where there is none.
     """
 
     robots: int = field(metadata=checked(whole_number, "number of robots", 1, MOST_ROBOTS))
@@ -80,9 +76,12 @@ class Team(Checked):
     def check(self, record: Measurement | Odometry) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot or a target that the team does not have."""
         instance("a record", record, Compass, Bearing, Range, Odometry)
-        self._known("robot", record.robot, self.robots)
-        if not isinstance(record, Compass | Odometry):
-            self._known("target", record.target, self.robots + len(self.landmarks))
+        robots, bodies = f"robots 0 to {self.robots - 1}", self.robots + len(self.landmarks)
+        marks = f"landmarks {self.robots} to {bodies - 1}" if len(self.landmarks) else "no landmark"
+        for role, count, known in (("robot", self.robots, robots), ("target", bodies, f"{robots} and {marks}")):
+            named = getattr(record, role, record.robot)
+            if (named >= count).any():
+                raise InvalidInput(f"a {role} among {known}", f"{role} {named[named >= count][0]}")
 
     def initial(
         self, positions: Iterable[Polygon], headings: AngularIntervals | None
@@ -129,14 +128,6 @@ class Team(Checked):
         robots = len(getattr(belief, each))
         if robots != self.robots:
             raise InvalidInput(f"a belief about {self.robots} robots, as the filter's team has", f"one about {robots}")
-
-    def _known(self, role: str, bodies: Integers, count: int) -> None:
-        unknown = bodies[bodies >= count]
-        if len(unknown):
-            last = self.robots + len(self.landmarks) - 1
-            marks = f" and landmarks {self.robots} to {last}" if len(self.landmarks) else " and no landmark"
-            known = f"robots 0 to {self.robots - 1}" + (marks if role == "target" else "")
-            raise InvalidInput(f"a {role} among {known}", f"{role} {unknown[0]}")
 
     def name(self, body: int) -> str:
         """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks; `InvalidInput` if there is none."""

@@ -49,17 +49,13 @@ class Alarm(Frozen):
 def watch(
     belief: Belief, positions: Floats, covariances: Floats | None = None, probability: float = 0.997
 ) -> tuple[Alarm, ...]:
-    """Return an alarm for each robot whose estimate is proved to be wrong.
+    """Return an alarm for each robot whose estimate is proved to be wrong; `InvalidInput` if something is not as it should be.
 
     Args:
         belief: What is possible.
         positions: (n, 2) another estimator's positions [m]; NaN for a robot of which it says nothing.
-        covariances: (n, 2, 2) of these positions [m2], or None for points alone.
+        covariances: (n, 2, 2) of these positions, symmetric and positive definite [m2], or None for points alone.
         probability: What the ellipses are said to contain, in [0, 1).
-
-    Raises:
-        InvalidInput: It is no `Belief`, a shape does not fit it, a position is infinite, a covariance is not symmetric and
-            positive definite, or the probability is out of its range.
     """
     instance("belief", belief, Belief)
     robots, points = len(belief.regions), floats("positions [m]", positions)

@@ -13,7 +13,7 @@ from experiments.paper.frames import localize
 from experiments.show.recording import Recording
 from experiments.show.terminal import Counting
 from filter.arrays import Array
-from filter.frame import Frame, Truth
+from filter.measurements import Frame, Truth
 from filter.projection.stop import Stop
 from filter.team import Team
 

@@ -12,7 +12,7 @@ from filter.robust.cameras import Offsets
 from filter.robust.hypotheses import Hypotheses, polygon_of
 from filter.robust.trust import Trust
 from filter.robust.votes import Votes
-from filter.sets.events import Rejected
+from filter.sets.belief import Rejected
 from filter.sets.regions import Region
 
 

@@ -23,7 +23,7 @@ from filter.robust.sightings import Sighting
 from filter.robust.slices import COUNT, narrow, see_any, see_body, see_place, seen_from, stay_within
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Poll, Rules
-from filter.sets.events import Rejected
+from filter.sets.belief import Rejected
 from filter.team import Team
 
 

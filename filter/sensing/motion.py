@@ -118,9 +118,7 @@ def _trapezoids(nearest: Array, farthest: Array, centre: Array, bound: Array) ->
     """Return (k, 4, 2) corners of the smallest trapezoids around [nearest, farthest] over (k) sectors."""
     corners = np.empty((len(nearest), 4, 2))
     for k in range(len(nearest)):
-        around = trapezoid(centre[k], bound[k], nearest[k], farthest[k])
-        for m in range(4):
-            corners[k, m, 0], corners[k, m, 1] = around[m, 0], around[m, 1]
+        corners[k] = trapezoid(centre[k], bound[k], nearest[k], farthest[k])
     return corners
 
 

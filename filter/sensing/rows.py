@@ -16,7 +16,7 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.linear.sources import Source, Sources
+from filter.linear.sources import Kind, Source, Sources
 from filter.measurements import Bearing, Compass, Measurement, Range
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of area at most.
@@ -24,6 +24,9 @@ TANGENT_SPACING = np.pi / 6
 # Every bearing is widened by this [rad] and every range by this share: far above rounding, far below any sensor. So errors
 # that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
 WIDENING = 1e-8
+KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range"}
+
+Numbered = Sequence[tuple[Measurement, Integers]]  # records with the numbers (k,) of their sources
 
 
 def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
@@ -32,10 +35,7 @@ def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
 
 
 def heading_arcs_of_bearing(record: Bearing, spans: AngularIntervals) -> AngularIntervals:
-    """Return (k) arcs that contain the measuring robots' headings, where (k) spans hold the targets' directions [rad].
-
-    A target known to lie in the span [a, b] and seen at the bearing beta +- d bounds the heading by [a, b] - beta +- d.
-    """
+    """Return (k) arcs that contain the measuring robots' headings, where (k) spans hold the targets' directions [rad]."""
     return spans.turned(-record.bearing, record.bound)
 
 
@@ -72,9 +72,7 @@ def range_rows(record: Range, arcs: AngularIntervals, source: Integers, spacing:
 @compiled
 def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, spacing: float) -> Array:
     """Return (r, 4) half-planes around the far and near sides of (k) sectors: which, normal and offset."""
-    most = 0
-    for k in range(len(centre)):
-        most += int(np.ceil(2 * bound[k] / spacing)) + 2
+    most = int(np.ceil(2 * bound / spacing).sum()) + 2 * len(centre)
     rows, count = np.empty((most, 4)), 0
     for k in range(len(centre)):
         normals, offsets = far_and_near(centre[k], bound[k], nearest[k], farthest[k], spacing)
@@ -117,25 +115,19 @@ def narrowed_headings(
 ) -> AngularIntervals:
     """Return the (n) headings after compasses, and bearings to targets whose direction the polytope roughly tells [rad].
 
-    Raises:
-        Inconsistent: What is known and measured of a heading is proved to have nothing in common.
+    Raises `Inconsistent` if what is known and measured of a heading is proved to have nothing in common.
     """
-    arcs, sources = [AngularIntervals(np.zeros(0), np.zeros(0))], Sources()
+    found, sources = [AngularIntervals.circles(0)], Sources()
     for record in measurements:
         if isinstance(record, Compass):
-            arcs.append(heading_arcs_of_compass(record))
+            found.append(heading_arcs_of_compass(record))
             sources, _ = sources.extended("compass", record.time, record.robot)
         elif isinstance(record, Bearing):
             spans = spans_of_targets(polytope, landmarks, record.robot, record.target)
-            arcs.append(heading_arcs_of_bearing(record, spans))
+            found.append(heading_arcs_of_bearing(record, spans))
             sources, _ = sources.extended("bearing", record.time, record.robot, record.target)
-    centre, bound = np.concatenate([each.centre for each in arcs]), np.concatenate([each.bound for each in arcs])
-    return _narrowed(headings, AngularIntervals(centre, bound), sources)
-
-
-def _narrowed(headings: AngularIntervals, arcs: AngularIntervals, sources: Sources) -> AngularIntervals:
-    """Intersect headings with arcs, the narrowest first, so that the order they come in makes no difference."""
-    order = np.lexsort((arcs.centre, arcs.bound))
+    arcs = AngularIntervals(*(np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound")))
+    order = np.lexsort((arcs.centre, arcs.bound))  # the narrowest first: then the order they come in makes no difference
     centre, bound = headings.centre.copy(), headings.bound.copy()
     last = _intersect((centre, bound), (arcs.centre, arcs.bound), sources.robot, order)
     if last >= 0:
@@ -163,3 +155,33 @@ def _conflict(known: AngularIntervals, arcs: AngularIntervals, sources: Sources,
     every = AngularIntervals(np.append(known.centre[robot], arcs.centre[same]), np.append(known.bound[robot], arcs.bound[same]))
     apart = np.flatnonzero(every.intersection(arcs[np.full(len(every), last)]).empty)
     return Inconsistent(f"at {newest.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), newest])
+
+
+def merged(polytope: Polytope, headings: AngularIntervals, numbered: Numbered, landmarks: Array, spacing: float) -> Polytope:
+    """Return the team's polytope with the rows of bearings, and then of ranges, whose directions they narrow.
+
+    The (n) headings are narrowed already, by the same measurements; landmarks are (l, 2) [m]; `spacing` is the greatest angle
+    between two tangents of a range's far side [rad].
+    """
+    bearings = [(each, source) for each, source in numbered if isinstance(each, Bearing)]
+    rows = [bearing_rows(each.robot, each.target, world_arcs(each, headings[each.robot]), source) for each, source in bearings]
+    known = _with_rows(polytope, rows, landmarks)
+    ranges = [(each, source) for each, source in numbered if isinstance(each, Range)]
+    spans = [spans_of_targets(known, landmarks, each.robot, each.target) for each, _ in ranges]
+    rows = [range_rows(each, arcs, source, spacing) for (each, source), arcs in zip(ranges, spans, strict=True)]
+    return _with_rows(known, rows, landmarks)
+
+
+def numbered_of(sources: Sources, measurements: Sequence[Measurement]) -> tuple[Sources, Numbered]:
+    """Enter the records that make rows into the table; return it and each of these records with its (k,) numbers."""
+    numbered: list[tuple[Measurement, Integers]] = []
+    for record in measurements:
+        if not isinstance(record, Compass):
+            sources, numbers = sources.extended(KIND_OF[type(record)], record.time, record.robot, record.target)
+            numbered.append((record, numbers))
+    return sources, numbered
+
+
+def _with_rows(polytope: Polytope, rows: list[Constraints], landmarks: Array) -> Polytope:
+    more = [on_robots(each, polytope, landmarks) for each in rows]
+    return polytope.with_constraints(Constraints.concatenate([polytope.constraints, *more])) if more else polytope

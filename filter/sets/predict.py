@@ -7,7 +7,7 @@ both; so rows through the corners, in the normals of the displacements' own edge
 
 import numpy as np
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array
 from filter.errors import Inconsistent
 from filter.geometry.polygon import SIDES
 from filter.linear.certify import imply
@@ -19,12 +19,15 @@ from filter.sets.belief import Belief
 
 
 def moved(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Polytope, Sources]:
-    """Return a belief's polytope after its robots have moved, within the arena (2, 2) [m], and its table of sources.
-
-    Raises:
-        Inconsistent: A robot has left the arena for sure.
-    """
-    lower, upper = _moved_box(belief, time, moves, arena)
+    """Return the polytope after moves within the arena (2, 2) [m], and its sources; `Inconsistent` if a robot has left it."""
+    robots = np.arange(len(belief.headings))
+    by = np.stack([moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES], axis=1)
+    lower = np.maximum(_outward(belief.polytope.lower, -by[:, 2:], -np.inf), arena[0])
+    upper = np.minimum(_outward(belief.polytope.upper, by[:, :2], np.inf), arena[1])
+    outside = np.flatnonzero((lower > upper).any(axis=1))
+    if len(outside):
+        robot = int(outside[0])
+        raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
     corners, sources = rows_through_corners(belief, moves, belief.sources)
     rows = Constraints.concatenate([belief.constraints, corners])
     return Polytope(moves.moved(rows), lower, upper, belief.polytope.origin), sources
@@ -49,18 +52,6 @@ def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources)
     imply((offsets, *unused), (i, j), outlines, (whose, directions), polytope.constraints.rows, box)
     table, numbers = sources.extended("region", belief.time, j, i)
     return Constraints(i[whose], j[whose], directions, offsets, numbers[whose]), table
-
-
-def _moved_box(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Array, Array]:
-    robots = np.arange(len(belief.headings))
-    by = np.stack([moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES], axis=1)
-    lower = np.maximum(_outward(belief.polytope.lower, -by[:, 2:], -np.inf), arena[0])
-    upper = np.minimum(_outward(belief.polytope.upper, by[:, :2], np.inf), arena[1])
-    outside: Integers = np.flatnonzero((lower > upper).any(axis=1))
-    if len(outside):
-        robot = int(outside[0])
-        raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
-    return lower, upper
 
 
 def _outward(corner: Array, by: Array, outward: float) -> Array:

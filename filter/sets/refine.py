@@ -19,16 +19,13 @@ from filter.projection.claims import Outlines, Weights
 from filter.projection.stop import IsOver, never
 from filter.projection.team import Outlined, Projector
 from filter.projection.window import Window
-from filter.sets.belief import Belief, Proof
-from filter.sets.events import Event, Fallback
+from filter.sets.belief import Belief, Event, Fallback, Proof
 from filter.sets.regions import Regions
 
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
 SHARES = (1e-2, 1e-4, 1e-6, 0.0)
-
 # Where regions are found in the whole team, pairs are found among those near them: regions have taken the rest along already.
 NEAR = Window(hops=2, robots=12)
-
 Pairs = tuple[Integers, Integers]  # i and j (g) of each
 
 
@@ -36,10 +33,8 @@ def refined(belief: Belief, projector: Projector, *, is_over: IsOver = never) ->
     """Return a belief with every robot's region projected; its edges are the only rows on single robots then.
 
     Those whose regions were refined longest ago come first: when time is up, the others' regions are what is known of them at
-    a glance. The proofs are those of every edge, then of every side of the boxes.
-
-    Raises:
-        Inconsistent: The polytope is proved to be empty.
+    a glance. The proofs are those of every edge, then of every side of the boxes. Raises `Inconsistent` if the polytope is
+    proved to be empty.
     """
     polytope, sources = belief.polytope, belief.sources
     robots = np.arange(len(polytope.lower))
@@ -128,12 +123,7 @@ def proved_boxes(
 ) -> tuple[Array, Array, Proof]:
     """Return lower and upper corners (n, 2) of a polytope's box, made smaller around the polygons of robots (k,), and why.
 
-    Args:
-        polytope: Its box is where each proof starts.
-        sources: The table of the edges.
-        outlines: (n) of all robots.
-        edges: Their edges as rows, and (e,) which of these each is, or their number for none.
-        robots: (k,) whose boxes are made smaller.
+    The outlines are those of all n robots, with their edges as rows (see `edges_as_rows`), whose sources are in the table.
     """
     (rows, row), outer, asked = edges, outlines.outer, len(robots) * len(SIDES)
     box, nobody = (polytope.lower, polytope.upper), np.full(len(outer), WORLD)

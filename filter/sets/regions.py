@@ -38,9 +38,6 @@ class Region:
     reason: Reason | None
     causes: tuple[Integers, ...]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "causes", tuple(map(read_only, self.causes)))
-
     @property
     def performance_ratio(self) -> float:
         """Area inside over area outside (eq. 7), in [0, 1]; 0 without an inner polygon."""
@@ -76,7 +73,7 @@ class Regions(Frozen, Sequence[Region]):
         first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
         cause, is_side = np.empty(first[-1], dtype=np.int64), np.repeat(sides, counts)
         cause[~is_side] = polytope.constraints.source[weights.row]
-        cause[is_side] = polytope.origin[outer.owner[sides]] if len(polytope.origin) else 0
+        cause[is_side] = polytope.origin[outer.owner[sides]]
         return cls(outer, outlines.inner, outlines.searches, outlines.reasons, cause, first)
 
     @classmethod
@@ -99,7 +96,8 @@ class Regions(Frozen, Sequence[Region]):
         if isinstance(k, range):
             return [self[each] for each in k]
         edges = range(self.outer.first[k], self.outer.first[k + 1])
-        causes = tuple(np.unique(self.cause[self.cause_first[edge] : self.cause_first[edge + 1]]) for edge in edges)
+        of_each = (np.unique(self.cause[self.cause_first[edge] : self.cause_first[edge + 1]]) for edge in edges)
+        causes = tuple(map(read_only, of_each))
         return Region(self.outer[k], self.inner[k], int(self.searches[k]), self.reasons[k], causes)
 
     @cached_property

@@ -9,26 +9,21 @@ import numpy as np
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.measurements import Compass, Measurement, field_names
-from filter.sets.belief import Belief
-from filter.sets.events import Rejected
-from filter.sets.merge import KIND_OF
+from filter.sensing.rows import KIND_OF
+from filter.sets.belief import Belief, Rejected
 
-# So many sets of measurements are tried before the search for the fewest is given up.
-TRIES = 64
+TRIES = 64  # so many sets of measurements are tried before the search for the fewest is given up
 NOTHING_TO_DROP = "no measurement of this update is in the conflict, to be dropped"
 
 Merge = Callable[[tuple[Measurement, ...]], Belief]
 Reading = tuple[int, int]  # of which record, in which place of it
-Dropped = dict[Reading, tuple[Source, ...]]  # with the conflict in which it was dropped
+Dropped = dict[Reading, Rejected]
 
 
 def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
     """Merge measurements of one time but those that have to go for the rest to agree; the belief's events say which, and why.
 
-    The later in the sequence counts as the newer.
-
-    Raises:
-        Inconsistent: There is a conflict with none of these measurements in it: nothing can be dropped.
+    The later in the sequence counts as the newer. Raises `Inconsistent` if a conflict has none of them in it.
 
     Algorithm:
         At least one measurement of every conflict has to go. So, breadth first, each of a conflict's measurements is
@@ -37,7 +32,30 @@ def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
         fewest of those that the conflicts name. Where so much is wrong that this takes too long, the newest of each
         conflict goes until the rest agree; then each is put back that need not have gone.
     """
-    return _Rejection(merge, measurements).run()
+    readings = single(measurements)
+
+    def tried(dropped: Dropped) -> Belief | Inconsistent:
+        try:
+            belief = merge(without(measurements, dropped))
+        except Inconsistent as error:
+            return error
+        return replace(belief, events=tuple(dropped[reading] for reading in sorted(dropped)) + belief.events)
+
+    waiting: deque[Dropped] = deque([{}])
+    seen: set[frozenset[Reading]] = set()
+    for _ in range(TRIES):
+        dropped = waiting.popleft()
+        found = tried(dropped)
+        if isinstance(found, Belief):
+            return found
+        for reading, event in _candidates(readings, found, dropped).items():
+            more = dropped | {reading: event}
+            if frozenset(more) not in seen:
+                seen.add(frozenset(more))
+                waiting.append(more)
+        if not waiting:
+            raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
+    return _newest_first(tried, readings)
 
 
 def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
@@ -59,53 +77,27 @@ def without(measurements: Sequence[Measurement], dropped: Dropped) -> tuple[Meas
     return tuple(left)
 
 
-class _Rejection:
-    def __init__(self, merge: Merge, measurements: Sequence[Measurement]) -> None:
-        self._merge, self._measurements, self._single = merge, measurements, single(measurements)
+def _newest_first(tried: Callable[[Dropped], Belief | Inconsistent], readings: dict[Reading, Source]) -> Belief:
+    """Drop the newest of each conflict until the rest agree, then put each back that need not have gone."""
+    dropped: Dropped = {}
+    while not isinstance(found := tried(dropped), Belief):
+        candidates = _candidates(readings, found, dropped)
+        if not candidates:
+            raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
+        newest = next(iter(candidates))
+        dropped = dropped | {newest: candidates[newest]}
+    for reading in sorted(dropped):
+        fewer = {other: event for other, event in dropped.items() if other != reading}
+        again = tried(fewer)
+        if isinstance(again, Belief):
+            found, dropped = again, fewer
+    return found
 
-    def run(self) -> Belief:
-        waiting: deque[Dropped] = deque([{}])
-        seen: set[frozenset[Reading]] = set()
-        for _ in range(TRIES):
-            dropped = waiting.popleft()
-            found = self._tried(dropped)
-            if isinstance(found, Belief):
-                return found
-            for candidate in self._candidates(found, dropped):
-                more = dropped | {candidate: found.sources}
-                if frozenset(more) not in seen:
-                    seen.add(frozenset(more))
-                    waiting.append(more)
-            if not waiting:
-                raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
-        return self._greedy()
 
-    def _greedy(self) -> Belief:
-        dropped: Dropped = {}
-        while not isinstance(found := self._tried(dropped), Belief):
-            candidates = self._candidates(found, dropped)
-            if not candidates:
-                raise Inconsistent(NOTHING_TO_DROP, found.sources) from found
-            dropped = dropped | {candidates[0]: found.sources}
-        for reading in sorted(dropped):
-            fewer = {other: conflict for other, conflict in dropped.items() if other != reading}
-            again = self._tried(fewer)
-            if isinstance(again, Belief):
-                found, dropped = again, fewer
-        return found
-
-    def _tried(self, dropped: Dropped) -> Belief | Inconsistent:
-        try:
-            belief = self._merge(without(self._measurements, dropped))
-        except Inconsistent as error:
-            return error
-        events = tuple(Rejected(self._single[reading], dropped[reading]) for reading in sorted(dropped))
-        return replace(belief, events=events + belief.events)
-
-    def _candidates(self, conflict: Inconsistent, dropped: Dropped) -> list[Reading]:
-        """Return what is left of the conflict's measurements, the newest first, and of the compasses that they rest on."""
-        left = [(reading, source) for reading, source in reversed(self._single.items()) if reading not in dropped]
-        named = [(reading, source) for reading, source in left if source in conflict.sources]
-        rest_on = {source.robot for _, source in named if source.kind != "compass"}
-        compasses = [reading for reading, source in left if source.kind == "compass" and source.robot in rest_on]
-        return list(dict.fromkeys([reading for reading, _ in named] + compasses))
+def _candidates(readings: dict[Reading, Source], conflict: Inconsistent, dropped: Dropped) -> Dropped:
+    """Return what is left of the conflict's measurements, the newest first, and of the compasses that they rest on."""
+    left = {reading: source for reading, source in reversed(readings.items()) if reading not in dropped}
+    named = {reading: source for reading, source in left.items() if source in conflict.sources}
+    rest_on = {source.robot for source in named.values() if source.kind != "compass"}
+    compasses = {each: source for each, source in left.items() if source.kind == "compass" and source.robot in rest_on}
+    return {reading: Rejected(source, conflict.sources) for reading, source in (named | compasses).items()}

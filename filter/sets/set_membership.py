@@ -6,7 +6,7 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Checked, Integers, checked, function, instance, number, settle, shown, whole, whole_number
+from filter.arrays import Frozen, Integers, checked, function, instance, number, shown, whole, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
@@ -20,9 +20,8 @@ from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
 from filter.sensing.motion import displacements, turned_headings
-from filter.sensing.rows import TANGENT_SPACING, narrowed_headings
+from filter.sensing.rows import TANGENT_SPACING, merged, narrowed_headings, numbered_of
 from filter.sets.belief import Belief
-from filter.sets.merge import merged, numbered_of
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
 from filter.sets.rejection import agreeing
@@ -36,8 +35,10 @@ def _unheard(phase: str) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
-class SetMembershipFilter(Checked):
+class SetMembershipFilter(Frozen):
     """A `Filter`: keeps a belief about a moving team that contains the truth as long as every declared bound holds.
+
+    Raises `InvalidInput` if an attribute is of another type or out of its range, or no such solver is installed.
 
     Attributes:
         team: The robots, the landmarks and their limits.
@@ -58,14 +59,11 @@ class SetMembershipFilter(Checked):
         on_phase: Told the name of each phase of a step as it begins, one of PHASES; for whoever wants to take the time.
         threads: How many windows are projected at a time, from 1 on; None for as many as there are cores. The result
             does not depend on it.
-
-    Raises:
-        InvalidInput: An attribute is of another type or out of its range, or no such solver is installed.
     """
 
     team: Team = field(metadata=checked(instance, "team", Team))
     exact: bool = field(default=True, metadata=checked(instance, "exact", bool))
-    solvers: tuple[Solver, ...] = ("piqp", "highs")
+    solvers: tuple[Solver, ...] = field(default=("piqp", "highs"), metadata={"check": checked_solvers})
     stop: Stop = field(default_factory=Stop, metadata=checked(instance, "stop", Stop))
     rows_per_robot: int = field(default=20, metadata=checked(whole_number, "rows_per_robot", 4))
     rows_per_pair: int = field(default=12, metadata=checked(whole_number, "rows_per_pair", 4))
@@ -74,16 +72,13 @@ class SetMembershipFilter(Checked):
     scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
     policy: Policy = "raise"
     budget: Budget | None = field(default=None, metadata=checked(instance, "budget", Budget, type(None)))
-    threads: int | None = None
+    threads: int | None = field(default=None, metadata=checked(whole_number, "threads", 1, optional=True))
     on_phase: Callable[[str], object] = field(default=_unheard, metadata=checked(function, "on_phase"))
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.policy, str) or self.policy not in get_args(Policy):
             raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", shown(self.policy))
-        if self.threads is not None:
-            settle(self, threads=whole_number("threads", self.threads, 1))
-        settle(self, solvers=checked_solvers(self.solvers))
 
     @classmethod
     def light(cls, team: Team, **options: Any) -> Self:
@@ -124,9 +119,8 @@ class SetMembershipFilter(Checked):
 
         Their order makes no difference but to arcs wider than half a circle.
 
-        Raises:
-            Inconsistent: The measurements are proved to exclude one another or what is known; some bound is broken.
-                With the policy "reject": and none of these measurements is in the conflict.
+        Raises `Inconsistent` if they are proved to exclude one another or what is known, as some bound is broken; with the
+        policy "reject" only if none of these measurements is in the conflict.
         """
         self.on_phase("headings")
         self.team.check_belief(belief, Belief, "headings")
@@ -137,11 +131,7 @@ class SetMembershipFilter(Checked):
         return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
-        """Return (g) polygons that contain x_j - x_i, where robots j (g,) are as seen from robots i (g,) (eq. 3) [m].
-
-        Raises:
-            InvalidInput: These are no pairs of two robots of the team.
-        """
+        """Return (g) polygons that contain x_j - x_i of robots i, j (g,) (eq. 3) [m]; `InvalidInput` if these are no pairs."""
         one, other = whole("robots of pairs", i), whole("robots of pairs", j)
         largest = max(one.max(initial=0), other.max(initial=0))
         if one.ndim != 1 or one.shape != other.shape or (one == other).any() or largest >= self.team.robots:

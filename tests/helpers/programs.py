@@ -19,9 +19,8 @@ from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
-from filter.sensing.rows import narrowed_headings
+from filter.sensing.rows import merged, narrowed_headings, numbered_of
 from filter.sets.belief import Proof
-from filter.sets.merge import merged, numbered_of
 from filter.sets.set_membership import SetMembershipFilter
 
 EVERYTHING = Stop(1.0, searches=400)

@@ -13,7 +13,6 @@ FULLEST = 15
 # The filter's records: all that the simulator knows of it.
 RECORDS = {
     "filter.measurements",
-    "filter.frame",
     "filter.team",
     "filter.geometry.angles",
     "filter.arrays",

@@ -9,7 +9,7 @@ import pytest
 from experiments import prove
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.logs.certificates import HEADINGS, hexadecimal
-from filter.frame import Frame
+from filter.measurements import Frame
 from filter.team import Team
 
 LEFT, RIGHT = ([1.0, 2.0], [2.0, 3.0]), ([5.0, 6.0], [7.0, 8.0])  # where the two robots begin

@@ -7,8 +7,7 @@ import pytest
 
 from experiments.real_robots.carried import Carried, CarriedBounds
 from filter.errors import InvalidInput
-from filter.frame import Frame
-from filter.measurements import Bearing, Compass, Odometry, Range
+from filter.measurements import Bearing, Compass, Frame, Odometry, Range
 
 
 def carried(*commands, hold=2.0, **bounds):

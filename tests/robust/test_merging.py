@@ -10,7 +10,7 @@ from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Range
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
-from filter.sets.events import Rejected
+from filter.sets.belief import Rejected
 from filter.team import Team
 
 AHEAD = [Bearing(0.0, 0, 1, 0.0, 0.05), Range(0.0, 0, 1, 3.0, 0.1, 0.0)]

@@ -14,7 +14,7 @@ from filter.robust.belief import Disagreement, Distrusted, Restarted
 from filter.robust.hypotheses import AGREED
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
-from filter.sets.events import Rejected
+from filter.sets.belief import Rejected
 from filter.team import Team
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from filter.linear.sources import Source
-from filter.sets.events import Fallback, Rejected
+from filter.sets.belief import Fallback, Rejected
 
 WALK = ("walk",)
 

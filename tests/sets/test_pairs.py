@@ -13,8 +13,7 @@ from filter.linear.polytope import Polytope
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets.belief import Belief
-from filter.sets.events import Fallback
+from filter.sets.belief import Belief, Fallback
 from filter.sets.refine import NEAR, chosen_pairs, with_pairs
 from filter.sets.set_membership import SetMembershipFilter
 

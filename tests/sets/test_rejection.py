@@ -12,7 +12,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Range
-from filter.sets.events import Rejected
+from filter.sets.belief import Rejected
 from filter.sets.rejection import single, without
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

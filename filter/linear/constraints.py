@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from filter.arrays import Array, Integers, Table, settle
 from filter.geometry.convex import EPSILON
@@ -89,14 +89,14 @@ class Constraints(Table):
     def _keys(self) -> Integers:
         return (self.i + 1) * self._stride + self.j
 
-    def matrix(self, bodies: int) -> sparse.csr_array:
+    def matrix(self, bodies: int) -> scipy.sparse.csr_array:
         """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""
         pair = self.i != WORLD
         there = np.repeat(np.stack([pair, np.ones_like(pair)], axis=1), 2, axis=1)
         column = np.stack([2 * self.i, 2 * self.i + 1, 2 * self.j, 2 * self.j + 1], axis=1)[there]
         value = np.concatenate([-self.normal, self.normal], axis=1)[there]
         begin = np.concatenate([[0], np.cumsum(np.where(pair, 4, 2))])
-        return sparse.csr_array((value, column, begin), shape=(len(self), 2 * bodies))
+        return scipy.sparse.csr_array((value, column, begin), shape=(len(self), 2 * bodies))
 
 
 def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:

@@ -3,11 +3,13 @@
 No solver is trusted: its answers are candidates. A bound counts only through `certified_bounds`, a point through `holds`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from filter.arrays import Array, Mask
 from filter.geometry.convex import EPSILON
@@ -41,7 +43,7 @@ class LinearProgram:
         upper: (v,) [m].
     """
 
-    A: sparse.csr_array
+    A: scipy.sparse.csr_array
     b: Array
     lower: Array
     upper: Array
@@ -74,7 +76,7 @@ class LinearProgram:
         return np.asarray(2 * EPSILON * np.abs(self.slack) + (terms * EPSILON) ** 2 * size + terms * TINY)
 
     @cached_property
-    def _matrix(self) -> Array | sparse.csr_array:
+    def _matrix(self) -> Array | scipy.sparse.csr_array:
         """A, filled up with zeros where that is small: products are faster then, and zeros are no rounding."""
         return self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= SMALL else self.A
 

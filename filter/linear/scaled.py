@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from filter.arrays import Array
 from filter.geometry.convex import EPSILON
@@ -41,7 +41,7 @@ class ScaledProgram:
         self._program, self.free, self.live = program, np.flatnonzero(is_free), np.flatnonzero(is_live)
         self.size, self.h = size[self.live], program.slack[self.live] / size[self.live]
         place = np.searchsorted(self.live, row[kept]), np.searchsorted(self.free, A.indices[kept])
-        self.G = sparse.csc_matrix((value[kept] / size[row[kept]], place), shape=(len(self.live), len(self.free)))
+        self.G = scipy.sparse.csc_matrix((value[kept] / size[row[kept]], place), shape=(len(self.live), len(self.free)))
 
     def maximize(self, objective: Array, solve: Solve) -> Candidate | None:
         """Return what is solved for an objective (v,), its greatest coefficient made 1, in the program's own units."""

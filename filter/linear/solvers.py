@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from filter.arrays import Array, several, shown
 from filter.errors import InvalidInput
@@ -88,7 +88,7 @@ def deepest_point(program: LinearProgram, solver: Solver) -> Candidate | None:
     # A row on anchored coordinates alone keeps no point at a distance; it matters where it cannot be satisfied.
     live = np.flatnonzero((program.slack < (1 + CLEARLY) * size) & ((size > 0) | (program.slack < 0)))
     depth = float(np.abs(program.slack).max(initial=0) + 4 * program.radius.max(initial=0))
-    A = sparse.csr_array(sparse.hstack([program.A[live], np.ones((len(live), 1))]))
+    A = scipy.sparse.csr_array(scipy.sparse.hstack([program.A[live], np.ones((len(live), 1))]))
     deepened = LinearProgram(A, program.b[live], np.append(program.lower, -depth), np.append(program.upper, depth))
     found = workspace(deepened, solver).maximize(np.append(np.zeros(len(program.lower)), 1.0))
     if found is None:
@@ -130,7 +130,7 @@ def _piqp(scaled: ScaledProgram) -> Solve:
 
     solver, good = piqp.SparseSolver(), (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED)
     solver.settings.max_iter = MAX_ITERATIONS
-    nothing, ones = sparse.csc_matrix((len(scaled.free), len(scaled.free))), np.ones(len(scaled.free))
+    nothing, ones = scipy.sparse.csc_matrix((len(scaled.free), len(scaled.free))), np.ones(len(scaled.free))
     solver.setup(nothing, ones, None, None, scaled.G, None, scaled.h, -ones, ones)
 
     def solve(c: Array) -> Answer | None:
@@ -174,7 +174,7 @@ def _of_qpsolvers(solver: str, scaled: ScaledProgram) -> Solve:
     """Return any solver that qpsolvers knows; a new one each time."""
     import qpsolvers  # noqa: PLC0415 - see above
 
-    nothing, ones = sparse.csc_matrix((len(scaled.free), len(scaled.free))), np.ones(len(scaled.free))
+    nothing, ones = scipy.sparse.csc_matrix((len(scaled.free), len(scaled.free))), np.ones(len(scaled.free))
 
     def solve(c: Array) -> Answer | None:
         found = qpsolvers.solve_problem(qpsolvers.Problem(nothing, -c, scaled.G, scaled.h, lb=-ones, ub=ones), solver=solver)

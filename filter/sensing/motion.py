@@ -118,7 +118,9 @@ def _trapezoids(nearest: Array, farthest: Array, centre: Array, bound: Array) ->
     """Return (k, 4, 2) corners of the smallest trapezoids around [nearest, farthest] over (k) sectors."""
     corners = np.empty((len(nearest), 4, 2))
     for k in range(len(nearest)):
-        corners[k] = trapezoid(centre[k], bound[k], nearest[k], farthest[k])
+        around = trapezoid(centre[k], bound[k], nearest[k], farthest[k])
+        for m in range(4):  # not all at once: numba takes seconds to compile that
+            corners[k, m, 0], corners[k, m, 1] = around[m, 0], around[m, 1]
     return corners
 
 

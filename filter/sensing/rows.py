@@ -72,7 +72,9 @@ def range_rows(record: Range, arcs: AngularIntervals, source: Integers, spacing:
 @compiled
 def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, spacing: float) -> Array:
     """Return (r, 4) half-planes around the far and near sides of (k) sectors: which, normal and offset."""
-    most = int(np.ceil(2 * bound / spacing).sum()) + 2 * len(centre)
+    most = 0
+    for k in range(len(centre)):
+        most += int(np.ceil(2 * bound[k] / spacing)) + 2
     rows, count = np.empty((most, 4)), 0
     for k in range(len(centre)):
         normals, offsets = far_and_near(centre[k], bound[k], nearest[k], farthest[k], spacing)

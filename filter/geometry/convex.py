@@ -105,7 +105,7 @@ def hull_of(points: Array) -> Array:
             point = points[order[place if way == 0 else len(order) - 1 - place]]
             if size > base and hull[size - 1, 0] == point[0] and hull[size - 1, 1] == point[1]:
                 continue
-            while size > base + 1 and not _turns_left(hull[size - 2], hull[size - 1], point):
+            while size > base + 1 and not cross(hull[size - 2], hull[size - 1], point) > 0:
                 size -= 1
             hull[size] = point
             size += 1
@@ -130,20 +130,9 @@ def _by_x_and_y(points: Array) -> Integers:
 
 
 @compiled
-def _sorted(values: Array) -> Array:
-    """Return the values sorted, in place, as above."""
-    for k in range(1, len(values)):
-        value, place = values[k], k
-        while place and values[place - 1] > value:
-            values[place] = values[place - 1]
-            place -= 1
-        values[place] = value
-    return values
-
-
-@compiled
-def _turns_left(a: Array, b: Array, c: Array) -> bool:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
+def cross(a: Array, b: Array, c: Array) -> float:
+    """Return twice the area of a triangle with corners (2,), positive where it turns left [m2]."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 @compiled
@@ -151,9 +140,7 @@ def area_of(vertices: Array) -> float:
     """Return the area of a simple polygon with (k, 2) counter-clockwise vertices, from 0 on [m2]."""
     total = 0.0
     for k in range(1, len(vertices) - 1):
-        x0, y0 = vertices[k, 0] - vertices[0, 0], vertices[k, 1] - vertices[0, 1]
-        x1, y1 = vertices[k + 1, 0] - vertices[0, 0], vertices[k + 1, 1] - vertices[0, 1]
-        total += x0 * y1 - x1 * y0
+        total += cross(vertices[0], vertices[k], vertices[k + 1])
     return max(0.0, total / 2)
 
 
@@ -188,7 +175,9 @@ def span_of(vertices: Array, margin: float) -> tuple[float, float]:
         size = max(size, abs(vertices[k, 0]), abs(vertices[k, 1]))
     doubt = 2 * margin + 8 * EPSILON * size
     nearest = _distance_of_edges(vertices) - doubt
-    angles = _sorted(np.arctan2(vertices[:, 1], vertices[:, 0]))
+    seen = np.zeros((len(vertices), 2))
+    seen[:, 0] = np.arctan2(vertices[:, 1], vertices[:, 0])
+    angles = seen[:, 0][_by_x_and_y(seen)]
     widest, gap = 0, -1.0  # what is not seen is one gap; from the inside none is as wide as half a turn
     for k in range(len(angles)):
         following = angles[k + 1] if k + 1 < len(angles) else angles[0] + 2 * np.pi

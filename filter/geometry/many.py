@@ -58,7 +58,7 @@ class Polygons(Lists, Sequence[Polygon]):
     @cached_property
     def owner(self) -> Integers:
         """(e,) whose each edge is."""
-        return np.repeat(np.arange(len(self)), np.diff(self.first))
+        return np.repeat(np.arange(len(self)), self.counts)
 
     @cached_property
     def areas(self) -> Array:

@@ -11,7 +11,6 @@ from filter.compiled import compiled
 EPSILON = float(np.finfo(float).eps)
 SMALLEST = 1e-100  # what is divided by is never smaller
 Lines = tuple[Array, Array]  # normals (k, 2), of length 1 to rounding, and offsets (k,) [m]
-Room = tuple[Array, Array, Integers, Integers, Array]  # vertices and what is behind, before and after a cut; how far beyond
 
 
 @compiled
@@ -26,33 +25,21 @@ def clip_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tupl
         and how far outward the vertices can be short of the polygon [m]. No vertex proves that the set is empty.
     """
     vertices, behind = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = clip_into((vertices, behind), (normals, offsets), lower, upper, clip_room(len(offsets)))
+    size, margin = clip_box_into((vertices, behind), (normals, offsets), lower, upper)
     return vertices[:size].copy(), behind[:size].copy(), margin
 
 
 @compiled
 def clip_box_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array) -> tuple[int, float]:
     """Write what `clip_box` returns into vertices (k + 4, 2) and edges (k + 4,); return how many there are, and the margin."""
-    return clip_into(into, lines, lower, upper, clip_room(len(lines[1])))
-
-
-@compiled
-def clip_room(count: int) -> Room:
-    """Return room to cut a box by so many half-planes."""
-    vertices, behind = np.empty((2, count + 5, 2)), np.empty((2, count + 5), dtype=np.int64)
-    return vertices[0], vertices[1], behind[0], behind[1], np.empty(count + 5)
-
-
-@compiled
-def clip_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array, room: Room) -> tuple[int, float]:
-    """Do what `clip_box` does in room that is there; return how many vertices and edges were written, and the margin."""
     (vertices, edges), (normals, offsets) = into, lines
-    here, after, behind, behind_after, beyond = room
+    size, lines_count = 4, len(offsets)
+    here, behind, beyond = np.empty((lines_count + 5, 2)), np.empty(lines_count + 5, dtype=np.int64), np.empty(lines_count + 5)
+    after, behind_after = np.empty_like(here), np.empty_like(behind)
     middle_x, middle_y = (lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2
     width, height = upper[0] - middle_x, upper[1] - middle_y
     largest = max(abs(middle_x), abs(middle_y)) + max(width, height)
     here[0], here[1], here[2], here[3] = (width, -height), (width, height), (-width, height), (-width, -height)
-    size, lines_count = 4, len(offsets)
     for side in range(4):
         behind[side] = lines_count + side
     for row in range(lines_count):
@@ -87,8 +74,11 @@ def clip_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: A
 
 
 @compiled
-def side_of_box(side: int, lower: Array, upper: Array) -> tuple[float, float, float]:
-    """Return normal and offset of a side of a box: 0 to 3 for right, top, left and bottom."""
+def line_behind(edge: int, lines: Lines, lower: Array, upper: Array) -> tuple[float, float, float]:
+    """Return normal and offset of what is behind an edge, by its number in `clip_box`."""
+    (normals, offsets), side = lines, edge - len(lines[1])
+    if side < 0:
+        return normals[edge, 0], normals[edge, 1], offsets[edge]
     if side < 2:
         return (1.0, 0.0, upper[0]) if side == 0 else (0.0, 1.0, upper[1])
     return (-1.0, 0.0, -lower[0]) if side == 2 else (0.0, -1.0, -lower[1])

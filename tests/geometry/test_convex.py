@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filter.geometry.angles import wrap
-from filter.geometry.convex import area_of, centroid_of, clip_box, hull_of, side_of_box, span_of
+from filter.geometry.convex import area_of, centroid_of, clip_box, hull_of, line_behind, span_of
 from filter.geometry.polygon import Polygon, clip
 
 CORNERS = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
@@ -48,10 +48,11 @@ def test_a_box_is_cut_by_what_cuts_it_alone():
 def test_the_sides_of_a_box_are_numbered_right_top_left_bottom():
     lower, upper = np.array([-1.0, 2.0]), np.array([3.0, 7.0])
     box = Polygon.box(lower, upper)
-    _, behind, _ = clip_box(np.zeros((0, 2)), np.zeros(0), lower, upper)
+    nothing = np.zeros((0, 2)), np.zeros(0)
+    _, behind, _ = clip_box(*nothing, lower, upper)
     assert behind.tolist() == [0, 1, 2, 3]
     for side in range(4):
-        x, y, offset = side_of_box(side, lower, upper)
+        x, y, offset = line_behind(side, nothing, lower, upper)
         assert ([x, y], offset) == (box.normals[side].tolist(), box.offsets[side])
         ends = box.vertices[[side, (side + 1) % 4]]
         assert (ends @ [x, y]).tolist() == [offset, offset]

@@ -14,24 +14,16 @@ Lines = tuple[Array, Array]  # normals (k, 2), of length 1 to rounding, and offs
 
 
 @compiled
-def clip_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Array, Integers, float]:
-    """Cut a box with lower and upper corner (2,) [m] by half-planes, one after the other (Sutherland and Hodgman, 1974).
+def clip_box(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array) -> tuple[int, float]:
+    """Cut a box with lower and upper corner (2,) [m] by k half-planes, one after the other (Sutherland and Hodgman, 1974).
 
     A vertex is cut away only where rounding leaves no doubt that it is outside, and new vertices lie outward of the cut
-    by as much; half-planes that cut nothing are left out. Normals (k, 2) are of length 1 to rounding, offsets (k,) [m].
+    by as much; half-planes that cut nothing are left out. Written are vertices (k + 4, 2) and, for each edge (k + 4,), the
+    half-plane behind it, from k on the box's right, top, left and bottom side.
 
     Returns:
-        Vertices (e, 2); the half-plane behind each edge (e,), from k on the box's right, top, left and bottom side;
-        and how far outward the vertices can be short of the polygon [m]. No vertex proves that the set is empty.
+        How many vertices there are, 0 only if the set is proved empty; how far outward they can be short of the polygon [m].
     """
-    vertices, behind = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = clip_box_into((vertices, behind), (normals, offsets), lower, upper)
-    return vertices[:size].copy(), behind[:size].copy(), margin
-
-
-@compiled
-def clip_box_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array) -> tuple[int, float]:
-    """Write what `clip_box` returns into vertices (k + 4, 2) and edges (k + 4,); return how many there are, and the margin."""
     (vertices, edges), (normals, offsets) = into, lines
     size, lines_count = 4, len(offsets)
     here, behind, beyond = np.empty((lines_count + 5, 2)), np.empty(lines_count + 5, dtype=np.int64), np.empty(lines_count + 5)

@@ -12,7 +12,7 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, Lists, Mask, chosen, read_only
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON, Lines, area_of, clip_box_into, line_behind, span_of
+from filter.geometry.convex import EPSILON, Lines, area_of, clip_box, line_behind, span_of
 from filter.geometry.polygon import Polygon
 
 Groups = tuple[Integers, Integers]  # where each of g groups begins and ends, (g,) and (g,)
@@ -124,10 +124,10 @@ def _clip(
     for g in range(len(begin)):
         at, own = first[g], (normals[begin[g] : end[g]], offsets[begin[g] : end[g]])
         into = vertices[at:], behind[at:]
-        size, margin[g] = clip_box_into(into, own, lower[g], upper[g])
+        size, margin[g] = clip_box(into, own, lower[g], upper[g])
         if not size:
             empty[g], own = True, (normals[:0], offsets[:0])
-            size, margin[g] = clip_box_into(into, own, lower[g], upper[g])
+            size, margin[g] = clip_box(into, own, lower[g], upper[g])
         for k in range(at, at + size):
             outward[k, 0], outward[k, 1], reach[k] = line_behind(behind[k], own, lower[g], upper[g])
             behind[k] += begin[g] if behind[k] < len(own[1]) else len(offsets) - len(own[1])

@@ -89,7 +89,10 @@ def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]
     upper = np.array([reach[0], reach[QUARTER]])
     if lower[0] > upper[0] or lower[1] > upper[1]:
         return np.empty((0, 2)), 0.0
-    vertices, _, margin = clip_box(np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets)), lower, upper)
+    lines, most = (np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets))), COUNT + len(offsets) + 4
+    room = np.empty((most, 2))
+    size, margin = clip_box((room, np.empty(most, dtype=np.int64)), lines, lower, upper)
+    vertices = room[:size]
     for m in range(COUNT if len(vertices) else 0):
         farthest = -np.inf
         for k in range(len(vertices)):

@@ -70,10 +70,7 @@ class Polygon(Frozen):
 
     @classmethod
     def from_vertices(cls, points: Floats) -> Polygon:
-        """Return a polygon around the convex hull of (k, 2) points [m]; it errs outward by rounding.
-
-        Raises InvalidInput if there is no point (an empty set), or a coordinate is not finite.
-        """
+        """Return a polygon around the convex hull of (k, 2) points [m]; it errs outward by rounding. Raises as `hull`."""
         hull = cls.hull(points)
         lower, upper = hull.bounds
         if (lower == upper).all():

@@ -118,7 +118,11 @@ class AngularIntervals:
         """
         turn = self._each("turns [rad]", finite("turns [rad]", by))
         wider = self._each("bounds of turns [rad]", finite("bounds of turns [rad]", bound, 0))
-        return AngularIntervals._of(*_turned(self.centre, self.bound, turn, wider))
+        centre = self.centre + turn
+        outward = ANGLE_ROUNDING * (1 + np.abs(turn) + np.abs(centre))
+        inside = (-np.pi < centre) & (centre <= np.pi)
+        wrapped = np.where(inside, centre, centre - 2 * np.pi * np.ceil((centre - np.pi) / (2 * np.pi)))
+        return AngularIntervals._of(wrapped, np.where(self.empty, self.bound, np.minimum(np.pi, self.bound + wider + outward)))
 
     def _each(self, name: str, values: Array) -> Array:
         if values.shape not in ((), (1,), self.centre.shape):
@@ -135,18 +139,6 @@ class AngularIntervals:
         if len(other) != len(self):
             raise InvalidInput(f"as many other arcs, {len(self)}", f"{len(other)} arcs")
         return AngularIntervals._of(*_intersections(self.centre, self.bound, other.centre, other.bound))
-
-
-@compiled
-def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> Array:
-    """Return (2, k) centres and bounds."""
-    arcs = np.empty((2, len(centre)))
-    for k in range(len(centre)):
-        turned = centre[k] + by[k]
-        outward = ANGLE_ROUNDING * (1 + abs(by[k]) + abs(turned))
-        arcs[0, k] = turned if -np.pi < turned <= np.pi else turned - 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
-        arcs[1, k] = bound[k] if bound[k] < 0 else min(np.pi, bound[k] + wider[k] + outward)
-    return arcs
 
 
 @compiled

@@ -11,48 +11,27 @@ from filter.compiled import compiled
 EPSILON = float(np.finfo(float).eps)
 SMALLEST = 1e-100  # what is divided by is never smaller
 Lines = tuple[Array, Array]  # normals (k, 2), of length 1 to rounding, and offsets (k,) [m]
-Room = tuple[Array, Array, Integers, Integers, Array]  # vertices and what is behind, before and after a cut; how far beyond
 
 
 @compiled
-def clip_box(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Array, Integers, float]:
-    """Cut a box with lower and upper corner (2,) [m] by half-planes, one after the other (Sutherland and Hodgman, 1974).
+def clip_box(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array) -> tuple[int, float]:
+    """Cut a box with lower and upper corner (2,) [m] by k half-planes, one after the other (Sutherland and Hodgman, 1974).
 
     A vertex is cut away only where rounding leaves no doubt that it is outside, and new vertices lie outward of the cut
-    by as much; half-planes that cut nothing are left out. Normals (k, 2) are of length 1 to rounding, offsets (k,) [m].
+    by as much; half-planes that cut nothing are left out. Written are vertices (k + 4, 2) and, for each edge (k + 4,), the
+    half-plane behind it, from k on the box's right, top, left and bottom side.
 
     Returns:
-        Vertices (e, 2); the half-plane behind each edge (e,), from k on the box's right, top, left and bottom side;
-        and how far outward the vertices can be short of the polygon [m]. No vertex proves that the set is empty.
+        How many vertices there are, 0 only if the set is proved empty; how far outward they can be short of the polygon [m].
     """
-    vertices, behind = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = clip_into((vertices, behind), (normals, offsets), lower, upper, clip_room(len(offsets)))
-    return vertices[:size].copy(), behind[:size].copy(), margin
-
-
-@compiled
-def clip_box_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array) -> tuple[int, float]:
-    """Write what `clip_box` returns into vertices (k + 4, 2) and edges (k + 4,); return how many there are, and the margin."""
-    return clip_into(into, lines, lower, upper, clip_room(len(lines[1])))
-
-
-@compiled
-def clip_room(count: int) -> Room:
-    """Return room to cut a box by so many half-planes."""
-    vertices, behind = np.empty((2, count + 5, 2)), np.empty((2, count + 5), dtype=np.int64)
-    return vertices[0], vertices[1], behind[0], behind[1], np.empty(count + 5)
-
-
-@compiled
-def clip_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Array, room: Room) -> tuple[int, float]:
-    """Do what `clip_box` does in room that is there; return how many vertices and edges were written, and the margin."""
     (vertices, edges), (normals, offsets) = into, lines
-    here, after, behind, behind_after, beyond = room
+    size, lines_count = 4, len(offsets)
+    here, behind, beyond = np.empty((lines_count + 5, 2)), np.empty(lines_count + 5, dtype=np.int64), np.empty(lines_count + 5)
+    after, behind_after = np.empty_like(here), np.empty_like(behind)
     middle_x, middle_y = (lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2
     width, height = upper[0] - middle_x, upper[1] - middle_y
     largest = max(abs(middle_x), abs(middle_y)) + max(width, height)
     here[0], here[1], here[2], here[3] = (width, -height), (width, height), (-width, height), (-width, -height)
-    size, lines_count = 4, len(offsets)
     for side in range(4):
         behind[side] = lines_count + side
     for row in range(lines_count):
@@ -87,8 +66,11 @@ def clip_into(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: A
 
 
 @compiled
-def side_of_box(side: int, lower: Array, upper: Array) -> tuple[float, float, float]:
-    """Return normal and offset of a side of a box: 0 to 3 for right, top, left and bottom."""
+def line_behind(edge: int, lines: Lines, lower: Array, upper: Array) -> tuple[float, float, float]:
+    """Return normal and offset of what is behind an edge, by its number in `clip_box`."""
+    (normals, offsets), side = lines, edge - len(lines[1])
+    if side < 0:
+        return normals[edge, 0], normals[edge, 1], offsets[edge]
     if side < 2:
         return (1.0, 0.0, upper[0]) if side == 0 else (0.0, 1.0, upper[1])
     return (-1.0, 0.0, -lower[0]) if side == 2 else (0.0, -1.0, -lower[1])
@@ -105,7 +87,7 @@ def hull_of(points: Array) -> Array:
             point = points[order[place if way == 0 else len(order) - 1 - place]]
             if size > base and hull[size - 1, 0] == point[0] and hull[size - 1, 1] == point[1]:
                 continue
-            while size > base + 1 and not _turns_left(hull[size - 2], hull[size - 1], point):
+            while size > base + 1 and not cross(hull[size - 2], hull[size - 1], point) > 0:
                 size -= 1
             hull[size] = point
             size += 1
@@ -130,20 +112,9 @@ def _by_x_and_y(points: Array) -> Integers:
 
 
 @compiled
-def _sorted(values: Array) -> Array:
-    """Return the values sorted, in place, as above."""
-    for k in range(1, len(values)):
-        value, place = values[k], k
-        while place and values[place - 1] > value:
-            values[place] = values[place - 1]
-            place -= 1
-        values[place] = value
-    return values
-
-
-@compiled
-def _turns_left(a: Array, b: Array, c: Array) -> bool:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
+def cross(a: Array, b: Array, c: Array) -> float:
+    """Return twice the area of a triangle with corners (2,), positive where it turns left [m2]."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 @compiled
@@ -151,9 +122,7 @@ def area_of(vertices: Array) -> float:
     """Return the area of a simple polygon with (k, 2) counter-clockwise vertices, from 0 on [m2]."""
     total = 0.0
     for k in range(1, len(vertices) - 1):
-        x0, y0 = vertices[k, 0] - vertices[0, 0], vertices[k, 1] - vertices[0, 1]
-        x1, y1 = vertices[k + 1, 0] - vertices[0, 0], vertices[k + 1, 1] - vertices[0, 1]
-        total += x0 * y1 - x1 * y0
+        total += cross(vertices[0], vertices[k], vertices[k + 1])
     return max(0.0, total / 2)
 
 
@@ -188,7 +157,9 @@ def span_of(vertices: Array, margin: float) -> tuple[float, float]:
         size = max(size, abs(vertices[k, 0]), abs(vertices[k, 1]))
     doubt = 2 * margin + 8 * EPSILON * size
     nearest = _distance_of_edges(vertices) - doubt
-    angles = _sorted(np.arctan2(vertices[:, 1], vertices[:, 0]))
+    seen = np.zeros((len(vertices), 2))
+    seen[:, 0] = np.arctan2(vertices[:, 1], vertices[:, 0])
+    angles = seen[:, 0][_by_x_and_y(seen)]
     widest, gap = 0, -1.0  # what is not seen is one gap; from the inside none is as wide as half a turn
     for k in range(len(angles)):
         following = angles[k + 1] if k + 1 < len(angles) else angles[0] + 2 * np.pi

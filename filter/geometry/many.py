@@ -12,7 +12,7 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, Lists, Mask, chosen, read_only
 from filter.compiled import compiled
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON, Lines, area_of, clip_into, clip_room, side_of_box, span_of
+from filter.geometry.convex import EPSILON, Lines, area_of, clip_box, line_behind, span_of
 from filter.geometry.polygon import Polygon
 
 Groups = tuple[Integers, Integers]  # where each of g groups begins and ends, (g,) and (g,)
@@ -58,7 +58,7 @@ class Polygons(Lists, Sequence[Polygon]):
     @cached_property
     def owner(self) -> Integers:
         """(e,) whose each edge is."""
-        return np.repeat(np.arange(len(self)), np.diff(self.first))
+        return np.repeat(np.arange(len(self)), self.counts)
 
     @cached_property
     def areas(self) -> Array:
@@ -121,24 +121,16 @@ def _clip(
     """Write normals, offsets, vertices and rows of the edges, and margin, beginning and emptiness of each polygon."""
     (outward, reach, vertices, behind), (margin, first, empty) = edges, each
     (normals, offsets), (begin, end), (lower, upper) = lines, groups, box
-    most = 0
     for g in range(len(begin)):
-        most = max(most, end[g] - begin[g])
-    room = clip_room(most)
-    for g in range(len(begin)):
-        at, rows = first[g], end[g] - begin[g]
+        at, own = first[g], (normals[begin[g] : end[g]], offsets[begin[g] : end[g]])
         into = vertices[at:], behind[at:]
-        size, margin[g] = clip_into(into, (normals[begin[g] : end[g]], offsets[begin[g] : end[g]]), lower[g], upper[g], room)
+        size, margin[g] = clip_box(into, own, lower[g], upper[g])
         if not size:
-            empty[g], rows = True, 0
-            size, margin[g] = clip_into(into, (normals[:0], offsets[:0]), lower[g], upper[g], room)
+            empty[g], own = True, (normals[:0], offsets[:0])
+            size, margin[g] = clip_box(into, own, lower[g], upper[g])
         for k in range(at, at + size):
-            if behind[k] < rows:
-                behind[k] += begin[g]
-                outward[k, 0], outward[k, 1], reach[k] = normals[behind[k], 0], normals[behind[k], 1], offsets[behind[k]]
-            else:
-                outward[k, 0], outward[k, 1], reach[k] = side_of_box(behind[k] - rows, lower[g], upper[g])
-                behind[k] += len(offsets) - rows
+            outward[k, 0], outward[k, 1], reach[k] = line_behind(behind[k], own, lower[g], upper[g])
+            behind[k] += begin[g] if behind[k] < len(own[1]) else len(offsets) - len(own[1])
         first[g + 1] = at + size
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from filter.arrays import Array, Floats, Frozen, Integers, Mask, finite, floats, instance, number, settle
 from filter.errors import InvalidInput
-from filter.geometry.convex import EPSILON, area_of, centroid_of, clip_box_into, hull_of
+from filter.geometry.convex import EPSILON, area_of, centroid_of, clip_box, hull_of
 
 SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])  # of a box, in the order of its edges
 BY_HAND = 1e-9  # what is made by hand is right to this share of its size
@@ -70,10 +70,7 @@ class Polygon(Frozen):
 
     @classmethod
     def from_vertices(cls, points: Floats) -> Polygon:
-        """Return a polygon around the convex hull of (k, 2) points [m]; it errs outward by rounding.
-
-        Raises InvalidInput if there is no point (an empty set), or a coordinate is not finite.
-        """
+        """Return a polygon around the convex hull of (k, 2) points [m]; it errs outward by rounding. Raises as `hull`."""
         hull = cls.hull(points)
         lower, upper = hull.bounds
         if (lower == upper).all():
@@ -172,7 +169,7 @@ def clip(normals: Array, offsets: Array, lower: Array, upper: Array) -> tuple[Po
     It errs outward alone, also where it is thin or a point. None proves that nothing is left.
     """
     vertices, behind = np.empty((len(offsets) + 4, 2)), np.empty(len(offsets) + 4, dtype=np.int64)
-    size, margin = clip_box_into((vertices, behind), (normals, offsets), lower, upper)
+    size, margin = clip_box((vertices, behind), (normals, offsets), lower, upper)
     if not size:
         return None
     everything, edges = (np.concatenate([normals, SIDES]), np.concatenate([offsets, upper, -lower])), behind[:size].copy()

@@ -4,6 +4,7 @@ import numpy as np
 
 from filter.arrays import Array, Mask
 from filter.compiled import compiled
+from filter.geometry.convex import cross
 
 
 @compiled
@@ -13,72 +14,51 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
     Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
     the budget, or all that went add no more than the allowance [m2], none if that is negative. Edges that are not removable
     stay, and count nothing. Normals are counter-clockwise, offsets best from a point inside, for the rounding [m].
+
+    Where there are no offsets, vertices take the place of the normals, some of which may coincide: what goes is the vertex
+    whose removal cuts off the least area, and three stay.
     """
-    count = len(offsets)
-    keep = np.ones(count, dtype=np.bool_)
-    if not count:
-        return keep, 0.0
-    before, after = np.arange(-1, count - 1), np.arange(1, count + 1)
-    before[0], after[count - 1] = count - 1, 0
-    added = np.empty(count)
-    for k in range(count):
-        added[k] = _added_area(normals, offsets, before[k], k, after[k]) if removable[k] else np.inf
+    count, fewest = len(normals), 0 if len(offsets) else 3
+    keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
     left, spent = removable.sum(), 0.0
-    while left:
+    if left <= fewest:
+        return keep, spent
+    before[0], after[count - 1] = count - 1, 0
+    change = np.empty(count)
+    for k in range(count):
+        if removable[k]:
+            change[k] = _change(normals, offsets, before[k], k, after[k])
+    while left > fewest:
         least = -1
         for k in range(count):
-            if keep[k] and removable[k] and (least < 0 or added[k] < added[least]):
+            if keep[k] and removable[k] and (least < 0 or change[k] < change[least]):
                 least = k
-        if left <= budget and not spent + added[least] <= allowance:
+        if left <= budget and not spent + change[least] <= allowance:
             break
         keep[least] = False
         left -= 1
-        spent += added[least]
+        spent += change[least]
         last, following = before[least], after[least]
         after[last], before[following] = following, last
         for k in (last, following):
             if removable[k]:
-                added[k] = _added_area(normals, offsets, before[k], k, after[k])
+                change[k] = _change(normals, offsets, before[k], k, after[k])
     return keep, spent
 
 
 @compiled
 def vertices_worth_keeping(vertices: Array, allowance: float) -> Mask:
-    """Return which of (e, 2) vertices to keep so that no more area is cut off than allowed [m2], greedily as above.
-
-    They are counter-clockwise; some may coincide [m].
-    """
+    """Return which of (e, 2) counter-clockwise vertices to keep so that no more area is cut off than allowed [m2]."""
     count = len(vertices)
-    keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
-    if count <= 3:
-        return keep
-    before[0], after[count - 1] = count - 1, 0
-    cut = np.empty(count)
-    for k in range(count):
-        cut[k] = _triangle(vertices, before[k], k, after[k])
-    left, spent = count, 0.0
-    while left > 3:
-        least = -1
-        for k in range(count):
-            if keep[k] and (least < 0 or cut[k] < cut[least]):
-                least = k
-        spent += cut[least]
-        if not spent <= allowance:
-            break
-        keep[least], left = False, left - 1
-        last, following = before[least], after[least]
-        after[last], before[following] = following, last
-        for k in (last, following):
-            cut[k] = _triangle(vertices, before[k], k, after[k])
-    return keep
+    return edges_worth_keeping(vertices, np.empty(0), np.ones(count, dtype=np.bool_), count, allowance)[0]
 
 
 @compiled
-def _triangle(vertices: Array, a: int, b: int, c: int) -> float:
-    """Return the area between three vertices [m2]."""
-    x0, y0 = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1]
-    x1, y1 = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1]
-    return abs(x0 * y1 - x1 * y0) / 2
+def _change(rows: Array, offsets: Array, before: int, k: int, after: int) -> float:
+    """Return the area that removing an edge adds, or, if there are no offsets, that removing a vertex cuts off [m2]."""
+    if len(offsets):
+        return _added_area(rows, offsets, before, k, after)
+    return abs(cross(rows[before], rows[k], rows[after])) / 2
 
 
 @compiled

@@ -9,7 +9,7 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
-from filter.geometry.convex import EPSILON, SMALLEST, clip_into, clip_room, side_of_box
+from filter.geometry.convex import EPSILON, SMALLEST, clip_box, line_behind
 from filter.linear.certify import WORTHLESS, Members, certified
 from filter.linear.constraints import WORLD
 from filter.projection.inside import inside_of
@@ -238,13 +238,11 @@ def write_outline(k: int, i: int, j: int, edges: Edges, task: Task, sheet: Sheet
         offsets[line] = edges.offsets[line] if line < searches else task.team[3][own]
     first, behind = sheet.first[k], np.empty(len(offsets) + 4, dtype=np.int64)
     into = sheet.vertices[first:], behind
-    size, sheet.margin[k] = clip_into(into, (normals, offsets), lower, upper, clip_room(len(offsets)))
+    size, sheet.margin[k] = clip_box(into, (normals, offsets), lower, upper)
     count = sheet.row_first[first]
     for edge in range(size):
         line, at = behind[edge], first + edge
-        x, y, reach = side_of_box(line - len(offsets), lower, upper)
-        if line < len(offsets):
-            x, y, reach = normals[line, 0], normals[line, 1], offsets[line]
+        x, y, reach = line_behind(line, (normals, offsets), lower, upper)
         sheet.normals[at, 0], sheet.normals[at, 1], sheet.offsets[at] = x, y, reach
         if line < searches:
             for m in range(edges.rows.shape[1]):

@@ -1,4 +1,4 @@
 """The robust filter: headings without a compass, bounds that break, sensors that lie.
 
-Read the modules in this order: slices, sightings, hypotheses, votes, trust, cameras, belief, merging, robust_filter.
+Read the modules in this order: slices, hypotheses, votes, trust, cameras, belief, merging, robust_filter.
 """

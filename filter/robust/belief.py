@@ -125,12 +125,9 @@ class Late:
     the guarantee for its robot suspended, until there is one again; then the robot starts over.
 
     Attributes:
-        time: When [s].
-        robot: Whose camera.
-        aside: True when it is suspected, False when it is trusted again.
+        time: When [s]; robot, aside and since are as of a camera that is `Turned`.
         delay: How much later than commands its pictures are stamped, besides what is declared, by estimate [s].
         deviation: Of the estimate [s].
-        since: The camera can be late since then [s]; until a while before, it looked good.
     """
 
     time: float

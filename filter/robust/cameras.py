@@ -17,8 +17,7 @@ from filter.arrays import Array, Frozen, Mask, positive, settle
 from filter.compiled import compiled
 from filter.geometry.angles import wrap
 from filter.robust.hypotheses import Hypotheses
-from filter.robust.sightings import Sighting
-from filter.robust.slices import QUARTER
+from filter.robust.slices import QUARTER, Sighting
 
 UNKNOWN = 0.8  # with a heading that is known no better than this, nothing is estimated [rad]
 FAR_OUT = 2.0  # with a position neither [m]
@@ -73,7 +72,7 @@ class Offsets(Frozen):
     """What motion says of n cameras.
 
     Attributes:
-        mean: (n, 5) position [m], heading, the camera's offset [rad], and its delay [s].
+        mean: (n, 5) position [m], heading, the camera's offset [rad], and its delay [s]; positive as in `Turned` and `Late`.
         covariance: (n, 5, 5) of it.
         rate: (n,) how fast the robot turned lately [rad/s].
         running: (n,) whether there is an estimate.
@@ -103,16 +102,6 @@ class Offsets(Frozen):
         nobody, never, zeros = np.zeros((robots, 2), dtype=bool), np.full((robots, 2), np.inf), np.zeros((robots, 5, 5))
         estimate = zeros[:, 0], zeros, zeros[:, 0, 0], nobody[:, 0], zeros[:, 0, 0], zeros[:, 0, :2]
         return cls(*estimate, never[:, 0], np.full((robots, 2), time), never, nobody)
-
-    @property
-    def offset(self) -> Array:
-        """(n,) estimated offsets of the cameras, positive where bearings are too large [rad]."""
-        return self.mean[:, 3]
-
-    @property
-    def delay(self) -> Array:
-        """(n,) estimated delays of the cameras, positive where they are later than the commands [s]."""
-        return self.mean[:, 4]
 
     @property
     def turned(self) -> Mask:

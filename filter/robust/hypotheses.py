@@ -44,10 +44,9 @@ class Hypotheses(Table):
         """Return one agreed slice: a polygon by its supports (COUNT,) [m], any heading from low to high [rad]."""
         return cls(np.array([AGREED]), np.array([low]), np.array([high]), reach.reshape(1, COUNT).copy())
 
-    def renamed(self, without: int, rows: Mask | None = None) -> Hypotheses:
+    def renamed(self, without: int, rows: Mask | bool = True) -> Hypotheses:
         """Return the same slices, all or some of them as ones that do without this vote."""
-        names = np.full(len(self), without) if rows is None else np.where(rows, without, self.without)
-        return replace(self, without=names)
+        return replace(self, without=np.where(rows, without, self.without))
 
     def cut(self, cut: Cut) -> Hypotheses:
         """Return what a cut leaves of the slices."""

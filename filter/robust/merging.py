@@ -19,8 +19,7 @@ from filter.linear.sources import Source
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
-from filter.robust.sightings import Sighting
-from filter.robust.slices import COUNT, narrow, see_any, see_body, see_place, seen_from, stay_within
+from filter.robust.slices import COUNT, Sighting, narrow, see_any, see_body, see_place, seen_from, stay_within
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Poll, Rules
 from filter.sets.belief import Rejected

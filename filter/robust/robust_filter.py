@@ -1,8 +1,10 @@
 """The robust filter: for robots without compass among landmarks, whose declared bounds break now and then."""
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import zip_longest
 
 import numpy as np
 
@@ -10,15 +12,15 @@ from filter.arrays import Array, instance, number, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Measurement, Odometry
+from filter.measurements import Bearing, Compass, Measurement, Odometry
 from filter.robust.belief import RobustBelief
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
 from filter.robust.merging import Merging
-from filter.robust.sightings import FARTHEST, sightings_in
-from filter.robust.slices import move
+from filter.robust.slices import FARTHEST, Sighting, move
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Rules, Votes
+from filter.sensing.rows import WIDENING
 from filter.team import Team
 
 MOST_CELLS = 10_000  # slices of 0.036 degrees: with a vote or two open, some 10 MB for each robot
@@ -134,3 +136,31 @@ def _moves(odometry: Odometry | None, team: Team, duration: float) -> tuple[Arra
         turn[odometry.robot] = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
         aside[odometry.robot] = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
     return distance, turn, aside
+
+
+def sightings_in(measurements: Sequence[Measurement], robots: int) -> list[Sighting]:
+    """Return the sightings in records of one time: compasses first, then landmarks, then team mates.
+
+    The n-th bearing of a pair goes with its n-th range. In which order the records come makes no difference, but to that.
+    """
+    bearings: dict[tuple[int, int], list[list[float]]] = defaultdict(list)
+    ranges: dict[tuple[int, int], list[list[float]]] = defaultdict(list)
+    for record in measurements:
+        if isinstance(record, Compass):
+            into, target, reading = bearings, record.robot, (record.heading, record.bound)
+        elif isinstance(record, Bearing):
+            into, target, reading = bearings, record.target, (record.bearing, record.bound + WIDENING)
+        else:
+            least, greatest = record.interval()
+            into, target, reading = ranges, record.target, (least * (1 - WIDENING), greatest * (1 + WIDENING))
+        for robot, body, *values in zip(*(column.tolist() for column in (record.robot, target, *reading)), strict=True):
+            into[robot, body].append(values)
+    pairs = sorted(bearings.keys() | ranges.keys(), key=lambda pair: (pair[0] != pair[1], pair[1] < robots, pair))
+    return [
+        (*pair, np.array(sector))
+        for pair in pairs
+        for sector in sorted(
+            [*(bearing or (0.0, np.pi)), *(reach or (0.0, FARTHEST))]
+            for bearing, reach in zip_longest(bearings[pair], ranges[pair])
+        )
+    ]

@@ -10,7 +10,7 @@ by the smallest such polygon around it. Every operation errs outward, rounding i
 
 Slices are their first and last headings, low (s,) and high (s,) [rad], and their polygons, reach (s, COUNT) [m]. What cuts them
 takes these last, cuts in place, and returns which slices are left, (s,). A sector (4,) is a bearing in the robot's frame and
-its bound [rad], least and greatest range [m].
+its bound [rad], least and greatest range [m]. Without a bearing the bound is pi, without a range they are 0 and FARTHEST.
 """
 
 from collections.abc import Sequence
@@ -23,6 +23,8 @@ from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, clip_box, span_of
 from filter.geometry.sector import WIDEST, far_and_near, sides, trapezoid
 
+Sighting = tuple[int, int, Array]  # who saw, what, and in which sector; a compass is a bearing of the robot itself
+FARTHEST = 1e6  # what a bearing without a range says of the distance [m]
 COUNT = 24  # directions; 15 degrees between two cost 1 to 2 % of a polygon's area
 QUARTER = COUNT // 4
 ANGLES = 2 * np.pi * np.arange(COUNT) / COUNT
@@ -87,7 +89,10 @@ def tighten(reach: Array, normals: Array, offsets: Array) -> tuple[Array, float]
     upper = np.array([reach[0], reach[QUARTER]])
     if lower[0] > upper[0] or lower[1] > upper[1]:
         return np.empty((0, 2)), 0.0
-    vertices, _, margin = clip_box(np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets)), lower, upper)
+    lines, most = (np.concatenate((DIRECTIONS, normals)), np.concatenate((reach, offsets))), COUNT + len(offsets) + 4
+    room = np.empty((most, 2))
+    size, margin = clip_box((room, np.empty(most, dtype=np.int64)), lines, lower, upper)
+    vertices = room[:size]
     for m in range(COUNT if len(vertices) else 0):
         farthest = -np.inf
         for k in range(len(vertices)):

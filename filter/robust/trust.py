@@ -7,7 +7,7 @@ share of contradicted sightings is put aside; what it says is then judged but no
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -84,40 +84,33 @@ class Trust(Frozen):
             struck[robot, target] += weight * contradicted
             streak[robot, target] = streak[robot, target] + weight if contradicted else 0.0
             since[robot, target] = min(since[robot, target], time) if contradicted else np.inf
-        lately = np.where(streak > 0, streak, seen * (last > since.min(axis=0)))
-        guilty = _guilty((seen, struck), (lately, streak), (self.camera, self.identity), rules)
-        return Trust(time, last, seen, struck, streak, since, *guilty)
+        return Trust(time, last, seen, struck, streak, since, self.camera, self.identity)._put_aside(rules)
+
+    def _put_aside(self, rules: Suspicion) -> Trust:
+        """Return the trust in which those sensors are trusted again that agree; then the guiltiest are put aside.
+
+        Barcodes are exchanged from one moment to the next, so that an identity is judged by what was seen lately: since it was
+        first contradicted without agreeing again. A camera is not, as a robot that is lost contradicts everything at once.
+        """
+        lately = np.where(self.streak > 0, self.streak, self.seen * (self.last > self.since.min(axis=0)))
+        camera, identity = (
+            aside & ((self.struck.sum(axis) >= rules.mercy) | (self.struck.sum(axis) >= rules.share / 2 * self.seen.sum(axis)))
+            for aside, axis in ((self.camera, 1), (self.identity, 0))
+        )
+        while True:
+            # What is laid to the charge of one that is put aside does not count against the other.
+            counts = ~(camera[:, None] | identity)
+            cameras = _charges(self.seen * counts, self.struck * counts, 1, rules)
+            identities = _charges(lately * counts, self.streak * counts, 0, rules)
+            if not (cameras.any() or identities.any()):
+                return replace(self, camera=camera, identity=identity)
+            guilty, shares = (camera, cameras) if cameras.max() > identities.max() else (identity, identities)
+            guilty[np.argmax(shares)] = True
 
     def charges(self, sensor: str, body: int) -> tuple[float, tuple[int, ...]]:
         """Return since when a "camera" or an "identity" is contradicted [s], and the other ends of the pairs that say so."""
         since = self.since[body] if sensor == "camera" else self.since[:, body]
         return float(since.min()), tuple(np.flatnonzero(np.isfinite(since)).tolist())
-
-
-Pair = tuple[Array, Array]
-
-
-def _guilty(sightings: Pair, lately: Pair, aside: tuple[Mask, Mask], rules: Suspicion) -> tuple[Mask, Mask]:
-    """Return which sensors are put aside from now on: first those are trusted again that agree, then the guiltiest go.
-
-    Barcodes are exchanged from one moment to the next, so that an identity is judged by what was seen lately: since it was
-    first contradicted without agreeing again. A camera is not, as a robot that is lost contradicts everything at once.
-    Sightings are given by their weight, of all and of those that were contradicted, (n, b) each.
-    """
-    (seen, struck), (seen_lately, struck_lately) = sightings, lately
-    camera, identity = (
-        sensors & ((struck.sum(axis) >= rules.mercy) | (struck.sum(axis) >= rules.share / 2 * seen.sum(axis)))
-        for sensors, axis in zip(aside, (1, 0), strict=True)
-    )
-    while True:
-        # What is laid to the charge of one that is put aside does not count against the other.
-        counts = ~(camera[:, None] | identity)
-        cameras = _charges(seen * counts, struck * counts, 1, rules)
-        identities = _charges(seen_lately * counts, struck_lately * counts, 0, rules)
-        if not (cameras.any() or identities.any()):
-            return camera, identity
-        guilty, shares = (camera, cameras) if cameras.max() > identities.max() else (identity, identities)
-        guilty[np.argmax(shares)] = True
 
 
 def _charges(seen: Array, struck: Array, axis: int, rules: Suspicion) -> Array:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask, number, settle, whole_number
+from filter.arrays import Array, Checked, Frozen, Mask, checked, number, whole_number
 from filter.linear.sources import Source
 from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
 
@@ -16,7 +16,7 @@ Verdict = Literal["agreed", "contradicted", "rejected"]
 
 
 @dataclass(frozen=True)
-class Rules:
+class Rules(Checked):
     """What is assumed of wrong measurements, and what is done when there are more. InvalidInput if a value is out of range.
 
     Attributes:
@@ -28,18 +28,12 @@ class Rules:
         quorum: So many different votes rejected within the memory, and more than were accepted: the robot is lost.
     """
 
-    tolerated: int = 1
-    window: float = 20.0
-    pause: float = 1.5
-    longest: float = 4.0
-    memory: float = 8.0
-    quorum: int = 3
-
-    def __post_init__(self) -> None:
-        tolerated, quorum = whole_number("tolerated votes", self.tolerated, 0, 1), whole_number("quorum", self.quorum, 1)
-        settle(self, tolerated=tolerated, quorum=quorum)
-        for name in ("window", "pause", "longest", "memory"):
-            settle(self, **{name: number(f"{name} [s]", getattr(self, name), 0)})
+    tolerated: int = field(default=1, metadata=checked(whole_number, "tolerated votes", 0, 1))
+    window: float = field(default=20.0, metadata=checked(number, "window [s]", 0))
+    pause: float = field(default=1.5, metadata=checked(number, "pause [s]", 0))
+    longest: float = field(default=4.0, metadata=checked(number, "longest [s]", 0))
+    memory: float = field(default=8.0, metadata=checked(number, "memory [s]", 0))
+    quorum: int = field(default=3, metadata=checked(whole_number, "quorum", 1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -132,7 +132,7 @@ def test_a_robot_that_is_bumped_has_a_good_camera(by):
 def test_the_estimate_begins_where_little_is_known_and_finds_the_offset():
     world = world_of(4)
     beliefs = list(touring(world, 150, np.radians(8), known="arena"))
-    offset, deviation = beliefs[-1].offsets.offset, beliefs[-1].offsets.deviations[:, 0]
+    offset, deviation = beliefs[-1].offsets.mean[:, 3], beliefs[-1].offsets.deviations[:, 0]
     assert beliefs[-1].offsets.running.all()
     assert (np.abs(offset - np.radians(8) * (np.arange(3) == GUILTY)) < 3 * deviation).all()
     assert (deviation < np.radians(3)).all()

@@ -66,7 +66,7 @@ def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
     (event,) = told(beliefs)
     assert (event.robot, event.aside) == (GUILTY, True)
     assert 0.2 < event.delay < 0.9  # it is told once it is sure that it is not 0.2 s or less
-    assert beliefs[-1].offsets.delay[GUILTY] == pytest.approx(0.6, abs=0.2)
+    assert beliefs[-1].offsets.mean[GUILTY, 4] == pytest.approx(0.6, abs=0.2)
     assert "camera of robot 1 suspected to be late" in str(event)
     assert "no proof" in str(event)
     (restart,) = [
@@ -94,7 +94,7 @@ def test_a_camera_that_is_on_time_is_never_late(seed):
     world = world_of(seed, errors="extreme")
     for belief in late_touring(world, 400, (np.inf, np.inf)):
         assert told([belief]) == []
-    assert np.abs(belief.offsets.delay).max() < 0.1
+    assert np.abs(belief.offsets.mean[:, 4]).max() < 0.1
 
 
 def test_a_camera_whose_clock_is_set_right_is_trusted_again():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from filter.measurements import Bearing, Compass, Range
-from filter.robust.sightings import FARTHEST, sightings_in
+from filter.robust.robust_filter import sightings_in
+from filter.robust.slices import FARTHEST
 
 RECORDS = (
     Bearing(0.0, [0, 1, 0], [1, 5, 4], [0.1, 0.2, 0.3], [0.01, 0.02, 0.03]),

@@ -12,7 +12,7 @@ LIMIT = 300  # [s] for a program that must not hang
 # Interrupts updates at random moments, first with nothing beside them, then with the same updates in another thread; each time
 # the next update must give the same bits. A second of updates that an interrupt never reaches would be a hang.
 INTERRUPTED = """
-import faulthandler, signal, sys, time, _thread
+import faulthandler, signal, sys, threading, time
 import numpy as np
 from filter import AngularIntervals, Bearing, Compass, Polygon, Range, RobustFilter, SetMembershipFilter, Team, Window
 
@@ -70,10 +70,12 @@ def beside():
 
 over, alike = [], []
 interrupt(count)
-_thread.start_new_thread(beside, ())
+other = threading.Thread(target=beside)
+other.start()
 lasts *= 2
 interrupt(count // 4)
 over.append(True)
+other.join()  # a thread that runs on while the interpreter ends is ended in the midst of compiled code
 assert alike and all(alike), "an update in a thread beside is another"
 print("alive")
 """

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from filter.arrays import Array, Checked, Frozen, Mask, checked, number, whole_number
+from filter.arrays import Array, Frozen, Mask, checked, number, whole_number
 from filter.linear.sources import Source
 from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
 
@@ -16,7 +16,7 @@ Verdict = Literal["agreed", "contradicted", "rejected"]
 
 
 @dataclass(frozen=True)
-class Rules(Checked):
+class Rules(Frozen):
     """What is assumed of wrong measurements, and what is done when there are more. InvalidInput if a value is out of range.
 
     Attributes:

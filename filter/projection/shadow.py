@@ -2,8 +2,7 @@
 
 As the direction turns, the vertex that is farthest in it changes only when one of its prices reaches zero; then the walk
 goes along one edge, whose shadow is an edge of the projection. So each edge of the projection costs one exchange of the
-simplex method, where the paper thinks the exact projection out of reach (section 7). What is found are candidates
-for `LinearProgram` to certify.
+simplex method, where the paper thinks the exact projection out of reach (section 7).
 """
 
 from typing import NamedTuple
@@ -51,13 +50,8 @@ class Trace(NamedTuple):
 @compiled
 def no_trace(length: int, variables: int) -> Trace:
     """Return a trace with room for so many entries."""
-    return Trace(
-        np.empty((length, 2)),
-        np.empty((length, variables)),
-        np.empty((length, variables), dtype=np.int64),
-        np.empty((length, variables)),
-        np.zeros(1, dtype=np.int64),
-    )
+    basic, point = np.empty((length, variables), dtype=np.int64), np.empty((length, variables))
+    return Trace(np.empty((length, 2)), np.empty_like(point), basic, point, np.zeros(1, dtype=np.int64))
 
 
 @compiled

@@ -188,8 +188,6 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
     Returns:
         FOUND; or EMPTY with the row that contradicts the basic ones; or LOST after too many exchanges.
     """
-    if not len(prices):
-        return FOUND, -1
     weights, rates = np.empty(len(prices)), np.empty(len(rows.offset))
     for count in range(limit):
         entering = int(np.argmin(basis.slack))

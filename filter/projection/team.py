@@ -63,11 +63,8 @@ class Projector:
         """Project onto every robot, in its own window; what is proved there holds in the whole team.
 
         Only in the window of everybody is anything known from inside: a point that another window allows may be impossible.
-
-        Args:
-            polytope: The team's.
-            order: (n,) who comes first; all robots once. None for the order of their numbers.
-            is_over: Whether time is up; the robots that are left keep what is known of them at a glance.
+        Who comes first in the order, (n,) all robots once, has time first; those on whom it runs out keep what is known of
+        them at a glance.
         """
         robots = len(polytope.lower)
         broken = broken_row(polytope.program()) if polytope.may_have_a_broken_row() else None

@@ -93,8 +93,10 @@ def project_some(
             if how == FOUND:
                 write_outline(k, edges, (own[0][k], own[1][k]), (around[0][k], around[1][k]), task, sheet)
                 if task.inside:
-                    ended = trace, basis, plane.right
-                    write_corners(k, inside_of(program, ended, seen, numbers, (members, place, task.box), task.team), sheet)
+                    ended, whose = (trace, basis, plane.right), (members, place, task.box)
+                    corners = inside_of(program, ended, seen, numbers, whose, task.team)
+                    sheet.corner_first[k + 1] += len(corners)
+                    sheet.corners[sheet.corner_first[k] : sheet.corner_first[k + 1]] = corners
         for member in members:
             place[member] = -1
     return 0
@@ -179,26 +181,20 @@ def edges_of(
     rows, prices = np.full((len(kept), variables), len(task.team[3])), np.zeros((len(kept), variables))
     how = FOUND
     for at in range(len(kept)):
-        normals[at, 0], normals[at, 1] = edge_of(program, plane, trace, kept[at], rows[at], prices[at])
+        k = kept[at]
+        x = trace.normal[k, 0] / (plane.size[0] if plane.size[0] > 0 else 1.0)
+        y = trace.normal[k, 1] / (plane.size[1] if plane.size[1] > 0 else 1.0)
+        length = np.hypot(x, y)
+        normals[at, 0], normals[at, 1] = x / length, y / length
+        for m in range(variables):
+            basic = trace.basic[k, m]
+            if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
+                rows[at, m], prices[at, m] = program.number[basic], trace.prices[k, m] / (length * program.size[basic])
         offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
         # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
-        if i == WORLD and not is_tight(plane, seen[kept[at]], normals[at], offsets[at], prices[at].sum()):
+        if i == WORLD and not is_tight(plane, seen[k], normals[at], offsets[at], prices[at].sum()):
             how = LOST
     return how, Edges(normals, offsets, rows, prices, why)
-
-
-@compiled
-def edge_of(program: WindowProgram, plane: Plane, trace: Trace, k: int, rows: Integers, prices: Array) -> tuple[float, float]:
-    """Return the normal of one of a walk's edges, and write which constraints prove it, with which multipliers."""
-    x = trace.normal[k, 0] / (plane.size[0] if plane.size[0] > 0 else 1.0)
-    y = trace.normal[k, 1] / (plane.size[1] if plane.size[1] > 0 else 1.0)
-    length = np.hypot(x, y)
-    for m in range(len(rows)):
-        basic = trace.basic[k, m]
-        if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
-            rows[m] = program.number[basic]
-            prices[m] = trace.prices[k, m] / (length * program.size[basic])
-    return x / length, y / length
 
 
 @compiled
@@ -240,12 +236,3 @@ def write_outline(k: int, edges: Edges, own: tuple[int, int], around: Boxes, tas
             count += 1
         sheet.row_first[at + 1] = count
     sheet.first[k + 1], sheet.searches[k], sheet.why[k] = first + size, searches, edges.why
-
-
-@compiled
-def write_corners(k: int, inside: Array, sheet: Sheet) -> None:
-    """Write the corners of an inner polygon."""
-    first = sheet.corner_first[k]
-    for m in range(len(inside)):
-        sheet.corners[first + m, 0], sheet.corners[first + m, 1] = inside[m, 0], inside[m, 1]
-    sheet.corner_first[k + 1] = first + len(inside)

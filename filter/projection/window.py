@@ -6,12 +6,12 @@ would hear over a radio from those it has measured, or that have measured it: th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, settle, whole_number
+from filter.arrays import Array, Checked, Integers, checked, whole_number
 from filter.compiled import compiled
 from filter.linear.certify import Boxes, members_at
 from filter.linear.constraints import WORLD, Columns, Constraints
@@ -21,7 +21,7 @@ EVERYBODY = 2**31  # more hops, and more robots, than any team has
 
 
 @dataclass(frozen=True)
-class Window:
+class Window(Checked):
     """How much of the team a robot's region is found from: what it would hear over a radio.
 
     Raises `InvalidInput` if a number is too small, or not whole.
@@ -31,12 +31,8 @@ class Window:
         robots: How many robots a window may have, from 2 on; the nearest in hops come first.
     """
 
-    hops: int = 1
-    robots: int = 12
-
-    def __post_init__(self) -> None:
-        hops, robots = whole_number("hops of a window", self.hops, 1), whole_number("robots of a window", self.robots, 2)
-        settle(self, hops=hops, robots=robots)
+    hops: int = field(default=1, metadata=checked(whole_number, "hops of a window", 1))
+    robots: int = field(default=12, metadata=checked(whole_number, "robots of a window", 2))
 
     @classmethod
     def everybody(cls) -> Window:

@@ -15,7 +15,8 @@ from experiments.follow.steps import steps, warmed_up
 from experiments.growth.size import LEFT_OUT, Case, Size
 from experiments.sweep.own_process import peak_memory_mib
 from filter import PHASES, Belief, ExtendedKalmanFilter, Frame, Inconsistent, SetMembershipFilter, Step, Window
-from filter.projection.window import links, members_of_robot
+from filter.linear.constraints import WORLD
+from filter.projection.window import links, members_of
 from sim.errors import ErrorKind
 
 COMPARED_EVERY = 10  # steps
@@ -143,7 +144,7 @@ def window_sizes(belief: Belief, window: Window) -> list[int]:
     who, sizes = links(belief.constraints, robots), []
     for robot in range(robots):
         place = np.full(robots, -1)
-        sizes.append(len(members_of_robot(robot, window.hops, window.robots, who, place)))
+        sizes.append(len(members_of(WORLD, robot, window.hops, window.robots, who, place)))
     return sizes
 
 

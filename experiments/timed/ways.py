@@ -66,9 +66,10 @@ class Problem:
 
 def by_kernel(problem: Problem, task: Task) -> Sheet:
     """Walk around the shadow in compiled code, certify, simplify and cut: all that the filter does for a window."""
-    own = problem.polytope.constraints.rows_of(WORLD, problem.robot)
-    sheet = blank(np.array([len(own)]), task)
-    project_some(np.array([WORLD]), np.array([problem.robot]), task, sheet)
+    i, j = np.array([WORLD]), np.array([problem.robot])
+    begin, end = problem.polytope.constraints.groups(i, j)
+    sheet = blank(end - begin, task)
+    project_some((i, j), (begin, end), problem.polytope.around(i, j), task, sheet)
     return sheet
 
 

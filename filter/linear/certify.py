@@ -36,16 +36,10 @@ def members_at(members: Integers, place: Integers, box: Boxes) -> Members:
 
 @compiled
 def certified(i: int, j: int, normal: Array, prices: Array, number: Integers, members: Members, team: Columns) -> float:
-    """Return an offset that holds in exact arithmetic for a direction of x_j - x_i, or of x_j where i is WORLD [m].
+    """Return an offset that holds in exact arithmetic for a direction (2,) of x_j - x_i, or of x_j where i is WORLD [m].
 
-    Args:
-        i: A member, or WORLD.
-        j: A member.
-        normal: (2,).
-        prices: (p,) of the rows; those that are not above 0 and finite count nothing.
-        number: (p,) which constraints; there is none beyond the last one.
-        members: Where the members are.
-        team: i, j, normal and offset of all constraints.
+    It follows from constraints by number (p,), with prices (p,). A price that is not above 0 and finite counts nothing, nor
+    does a number beyond the last one.
     """
     (place, centre, radius), (first, second, normals, offsets) = members, team
     residual, size = np.zeros(len(centre)), np.zeros(len(centre))
@@ -90,15 +84,10 @@ def imply(
     team: Columns,
     box: Boxes,
 ) -> None:
-    """Write certified offsets, and the two rows and multipliers that prove each.
+    """Write certified offsets (q,) [m], and the rows (q, 2) and multipliers (q, 2) that prove each, 0 for a row of no use.
 
-    Args:
-        into: Offsets (q,) [m], rows (q, 2) and multipliers (q, 2), 0 for a row of no use.
-        pairs: i and j (g) of each polygon.
-        outlines: The polygons, from rows on their own robot or pair; what is behind an edge is no row from `len(team)` on.
-        asked: Which polygon (q,), and in which direction (q, 2) of length 1.
-        team: i, j, normal and offset of all rows.
-        box: Lower and upper corners (n, 2) of all robots.
+    Asked is which polygon (q,), and in which direction (q, 2) of length 1. The polygons are those of pairs i, j (g), from
+    their own rows; what is behind an edge is no row if its number is beyond the last one.
     """
     (offsets, rows, prices), (i, j), (normals, vertices, behind, first), (whose, directions) = into, pairs, outlines, asked
     place = np.full(len(box[0]), -1)

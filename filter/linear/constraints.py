@@ -13,7 +13,7 @@ from filter.geometry.convex import EPSILON
 
 WORLD = -1
 
-Columns = tuple[Integers, Integers, Array, Array]  # i, j, normal and offset, as compiled functions take them
+Columns = tuple[Integers, Integers, Array, Array]  # i, j, normal and offset of all rows, as compiled functions take them
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,15 +100,10 @@ class Constraints(Table):
 
 
 def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
-    """Return (r,) how much the rounding of normals and offsets can cut off within a box [m].
+    """Return (r,) how much the rounding of normals and offsets of new rows on pairs can cut off within a box (bodies, 2) [m].
 
     Angles carry their own allowance. What is left is the rounding of a sine, a cosine or a product: a few units in the
     last place of the normal times the greatest difference of the two positions, and of the offset.
-
-    Args:
-        rows: Just built, all of them on pairs.
-        lower: (bodies, 2) least coordinates [m].
-        upper: (bodies, 2) greatest ones [m].
     """
     difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
     return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))

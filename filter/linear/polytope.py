@@ -42,7 +42,7 @@ class Polytope(Frozen):
 
     def may_have_a_broken_row(self) -> bool:
         """Return whether some row seems to hold nowhere in the box; a look that is cheap, and no proof."""
-        rows, (lower, upper) = self.constraints, self._box(self.constraints.i, self.constraints.j)
+        rows, (lower, upper) = self.constraints, self.around(self.constraints.i, self.constraints.j)
         least = (rows.normal * np.where(rows.normal > 0, lower, upper)).sum(axis=1)
         return bool((least > rows.offset).any())
 
@@ -53,10 +53,10 @@ class Polytope(Frozen):
     def of(self, i: Integers, j: Integers) -> Clipped:
         """Return the same around x_j - x_i for (g) pairs i < j, or around x_j where i is WORLD."""
         rows = self.constraints
-        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), *self._box(i, j))
+        return clip_boxes(rows.normal, rows.offset, rows.groups(i, j), *self.around(i, j))
 
-    def _box(self, i: Integers, j: Integers) -> tuple[Array, Array]:
-        """Return the corners of boxes around x_j - x_i, or x_j where i is WORLD, both (g, 2); they err outward."""
+    def around(self, i: Integers, j: Integers) -> tuple[Array, Array]:
+        """Return the corners of boxes around x_j - x_i, or x_j where i is WORLD, both (g, 2); they err outward [m]."""
         mutual, lower, upper = np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
         lower[mutual] = np.nextafter(lower[mutual] - self.upper[i[mutual]], -np.inf)
         upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)

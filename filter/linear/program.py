@@ -81,11 +81,9 @@ class LinearProgram:
         return self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= SMALL else self.A
 
     def certified_bounds(self, objectives: Array, multipliers: Array) -> Array:
-        """Return (k,) upper bounds of c . x over the polytope that hold in exact arithmetic [m].
+        """Return (k,) upper bounds of c . x over the polytope, for objectives c (k, v), that hold in exact arithmetic [m].
 
-        Args:
-            objectives: (k, v) directions c.
-            multipliers: (k, r) dual candidates y; negative and non-finite entries are taken as 0.
+        The multipliers y (k, r) are dual candidates; negative and non-finite entries are taken as 0.
 
         Algorithm:
             For any y >= 0 and x in the polytope, with centre x0 and radius w,

@@ -14,11 +14,13 @@ import scipy
 
 from filter.arrays import Array, several, shown
 from filter.errors import InvalidInput
+from filter.geometry.convex import EPSILON
 from filter.linear.program import Candidate, LinearProgram
-from filter.linear.scaled import Answer, ScaledProgram, Solve
 
 # A row that the box implies with this much to spare, relative to the box, cannot hold a point back.
 CLEARLY = 1e-3
+# A coordinate narrower than this share of itself is anchored, to rounding: it is held at its middle.
+NARROW = 64 * EPSILON
 # PIQP needs 8 to 15 iterations; where it needs many more the polytope is all but flat, and more of them gain nothing.
 MAX_ITERATIONS = 60
 # The simplex method goes on from the vertex of the direction before; a point of its own is as exact as HiGHS can make it.
@@ -32,6 +34,10 @@ SIMPLEX_OPTIONS: dict[str, str | int | float] = {
     "primal_feasibility_tolerance": 1e-10,
     "dual_feasibility_tolerance": 1e-10,
 }
+
+
+Answer = tuple[Array, Array]  # z (f,) and multipliers (l,) of a scaled program
+Solve = Callable[[Array], Answer | None]  # for an objective (f,)
 
 
 class Workspace(Protocol):
@@ -122,6 +128,45 @@ class _Guarded:
             return None
         fits = point.shape == self._program.lower.shape and multipliers.shape == self._program.b.shape
         return Candidate(point, multipliers) if fits and np.isfinite(point).all() else None
+
+
+class ScaledProgram:
+    """The program as solvers like it: maximise c . z over G z <= h, |z| <= 1.
+
+    Every coordinate is moved to the middle of its box and measured in its radius; anchored coordinates and rows that the box
+    implies are left out; the coefficients of each row that is left add up to 1. So a solver's tolerance is relative to what is
+    known already, however small that is.
+
+    Attributes:
+        free: (f,) the program's coordinates that are not anchored.
+        live: (l,) its rows that the box does not imply.
+        size: (l,) what each of these was divided by.
+        G: (l, f).
+        h: (l,).
+    """
+
+    def __init__(self, program: LinearProgram) -> None:
+        size = abs(program.A) @ program.radius
+        self._program = program
+        self.free = np.flatnonzero(program.radius > NARROW * np.abs(program.centre))
+        self.live = np.flatnonzero((program.slack < size) & (size > 0))
+        self.size, self.h = size[self.live], program.slack[self.live] / size[self.live]
+        self.G = scipy.sparse.csc_matrix(program.A[self.live][:, self.free])
+        widths = np.repeat(program.radius[self.free], np.diff(self.G.indptr))
+        self.G.data = self.G.data * widths / self.size[self.G.indices]
+
+    def maximize(self, objective: Array, solve: Solve) -> Candidate | None:
+        """Return what is solved for an objective (v,), its greatest coefficient made 1, in the program's own units."""
+        radius = self._program.radius[self.free]
+        c = objective[self.free] * radius
+        scale = float(np.abs(c).max(initial=0)) or 1.0
+        found = solve(c / scale)
+        if found is None:
+            return None
+        point, multipliers = self._program.centre.copy(), np.zeros(len(self._program.b))
+        point[self.free] += radius * found[0]
+        multipliers[self.live] = np.maximum(found[1], 0) * scale / self.size
+        return Candidate(point, multipliers)
 
 
 def _piqp(scaled: ScaledProgram) -> Solve:

@@ -55,17 +55,14 @@ def project_all(
     solvers: Sequence[Solver],
     stop: Stop,
     *,
+    before: Sequence[str] = (),
     is_over: IsOver = never,
 ) -> Found:
-    """Search several projections of a program.
+    """Search several projections of a program, each by some D (2, v).
 
-    Args:
-        program: The polytope.
-        planes: D (2, v) for each.
-        known: For each, half-planes that contain the projection anyway: without any good answer it is a region, too.
-        solvers: They are asked in turn, the next one where an answer is no good; if none is, the least region counts.
-        stop: When a projection is good enough.
-        is_over: Whether time is up, and the projections that are left have to do without.
+    Known are half-planes that contain each projection anyway: without any good answer it is a region, too. The solvers are
+    asked in turn, the next one where an answer is no good; if none is, the least region counts. What has failed `before` is
+    told with each projection. When time is over, those that are left have to do without.
     """
     broken = broken_row(program)
     inside = interior(program, solvers) if broken is None else Found(program.centre, broken)
@@ -81,7 +78,7 @@ def project_all(
             tried.append(project(program, work, D, inside.point, stop=stop, known=lines, is_over=is_over))
             if tried[-1].looseness <= LOOSE:
                 break
-        is_good, failed = tried[-1].looseness <= LOOSE, list(map(name_of, solvers[: len(tried)]))
+        is_good, failed = tried[-1].looseness <= LOOSE, [*before, *map(name_of, solvers[: len(tried)])]
         used = failed.pop() if is_good else None
         failures += _told(len(complete), failed, used)
         complete.append(tried[-1] if is_good else min(tried, key=lambda one: one.outer.area))

@@ -31,16 +31,9 @@ def inside_of(
 ) -> Array:
     """Return corners (p, 2) of a polygon of positions of the first member, every point of which is possible [m].
 
-    The vertices of a shadow are pulled towards a point in the middle until every row holds for sure. There is no corner where
-    none can be.
-
-    Args:
-        program: What was walked on.
-        walked: The shadow, the vertex where the walk has ended, and the objective (v,) there.
-        seen: (t, 2) its vertices in the plane.
-        numbers: All rows on the members.
-        where: The members, the place of each robot among them (n,), and the boxes of all robots.
-        team: i, j, normal and offset of all constraints.
+    What was walked is the shadow, to a vertex and an objective (v,); seen are its vertices (t, 2) in the plane. They are pulled
+    towards a point in the middle until every row on the members, by number, holds for sure. There is no corner where none can
+    be. The members come with the place of each robot among them (n,).
     """
     (members, place, box), (trace, basis, ahead) = where, walked
     middle, room = _point(program, middle_of(program, trace, basis, ahead), members, box), np.empty(len(numbers))

@@ -31,14 +31,9 @@ def project(
 ) -> Projection:
     """Project the program's polytope by any D (2, v), onto {D x}.
 
-    Args:
-        program: The polytope.
-        solver: A workspace on the same program, or None where nobody searches.
-        D: (2, v).
-        interior: (v,) a point of the polytope, as far inside as possible, to pull the inner points to [m].
-        stop: When to end; it looks at what the searches found, not at what was known.
-        known: Half-planes that contain the projection anyway; they cut the outer polygon.
-        is_over: Whether time is up; it is asked from the fourth search on.
+    Inner points are pulled to an interior one (v,), as far inside as possible [m]. Half-planes that are known to contain the
+    projection anyway cut the outer polygon; when to stop depends on what the searches find alone. Whether time is over is
+    asked from the fourth search on. Without a solver nobody searches.
 
     Algorithm:
         Two opposite searches, two normal to the line between their points, then always normal to the inner edge of the

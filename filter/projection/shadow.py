@@ -2,8 +2,7 @@
 
 As the direction turns, the vertex that is farthest in it changes only when one of its prices reaches zero; then the walk
 goes along one edge, whose shadow is an edge of the projection. So each edge of the projection costs one exchange of the
-simplex method, where the paper thinks the exact projection out of reach (section 7). What is found are candidates
-for `LinearProgram` to certify.
+simplex method, where the paper thinks the exact projection out of reach (section 7).
 """
 
 from typing import NamedTuple
@@ -14,20 +13,7 @@ from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.geometry.convex import SMALLEST, area_of
 from filter.geometry.simplify import edges_worth_keeping
-from filter.projection.simplex import (
-    FOUND,
-    LOST,
-    MENDED_AFTER,
-    PARALLEL,
-    Basis,
-    Rows,
-    combination,
-    exchange,
-    exchange_prices,
-    mend,
-    slack_rates,
-    walk,
-)
+from filter.projection.simplex import FOUND, LOST, PARALLEL, Basis, Rows, combination, exchange, mend, reprice, slack_rates
 
 # A shadow with more edges than this is left to the search, and so is a walk of so many exchanges for each variable.
 LONGEST, LONGEST_EACH = 400, 50
@@ -64,27 +50,15 @@ class Trace(NamedTuple):
 @compiled
 def no_trace(length: int, variables: int) -> Trace:
     """Return a trace with room for so many entries."""
-    return Trace(
-        np.empty((length, 2)),
-        np.empty((length, variables)),
-        np.empty((length, variables), dtype=np.int64),
-        np.empty((length, variables)),
-        np.zeros(1, dtype=np.int64),
-    )
+    basic, point = np.empty((length, variables), dtype=np.int64), np.empty((length, variables))
+    return Trace(np.empty((length, 2)), np.empty_like(point), basic, point, np.zeros(1, dtype=np.int64))
 
 
 @compiled
 def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, trace: Trace, limit: int) -> int:
-    """Turn the objective from `first` towards `second`, through an angle, keeping the basis optimal; return how it ended.
+    """Turn the objective (v,) from `first`, through an angle [rad], keeping the basis optimal; return FOUND or LOST.
 
-    Args:
-        rows: The program.
-        basis: Optimal for `first`; changed.
-        first: (v,) an objective.
-        second: (v,) another one.
-        angle: How far to turn in their plane; pi / 2 ends at `second` [rad].
-        trace: Filled as far as it has room; with none, LOST only means that the walk is.
-        limit: The greatest number of exchanges.
+    A right angle ends at the objective `second`. Exchanges are limited in number; the trace is filled as far as it has room.
     """
     across, up = np.empty(len(first)), np.empty(len(first))  # prices for the plane's two axes
     price(first, basis, across)
@@ -107,12 +81,10 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
         if entering < 0:
             return LOST
         combination(rows, basis, entering, weights)
-        walk(basis, k, max(0.0, basis.slack[entering]) / rates[entering], rates)
-        exchange(basis, k, entering, weights)
-        exchange_prices(across, k, weights)
-        exchange_prices(up, k, weights)
-        if count % MENDED_AFTER == MENDED_AFTER - 1:
-            mend(rows, basis)
+        exchange(basis, k, max(0.0, basis.slack[entering]) / rates[entering], rates, entering, weights)
+        reprice(across, k, weights)
+        reprice(up, k, weights)
+        if mend(rows, basis, count + 1):
             price(first, basis, across)
             price(second, basis, up)
         _keep(trace, basis, across, up, x, y)
@@ -190,11 +162,7 @@ def _keep_between(trace: Trace, basis: Basis, across: Array, up: Array, x: float
 def simplified(normals: Array, vertices: Array, unit: float, goal: tuple[float, float, int]) -> tuple[Integers, int]:
     """Return the edges to keep of a shadow, for it to grow by little, and what decided, a place in `REASONS`.
 
-    Args:
-        normals: (t, 2) of the edges.
-        vertices: (t, 2) where each ends.
-        unit: What an area of 1 stands for [m2].
-        goal: As in `Stop`: performance ratio, area gap [m2] and greatest number of edges.
+    An edge has a normal (t, 2) and ends at a vertex (t, 2); an area of 1 stands for a unit [m2]; the goal is that of `Stop`.
     """
     count, some = len(normals), 0
     distinct, x, y = np.empty(count, dtype=np.int64), 0.0, 0.0

@@ -18,7 +18,7 @@ class Task(NamedTuple):
     Attributes:
         hops: How far a window reaches.
         most: How many robots it may have.
-        inside: Whether inner polygons are wanted, too.
+        inside: Whether inner polygons are wanted, too: only in windows that leave nobody out are they right.
         goal: As in `Stop`: performance ratio, area gap and greatest number of edges.
         who: Who has rows with whom.
         team: i, j, normal and offset of all constraints.

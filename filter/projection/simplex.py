@@ -11,7 +11,6 @@ import numpy as np
 from filter.arrays import Array, Integers, Mask
 from filter.compiled import compiled
 
-MOST = 4  # non-zeros in a row: two coordinates of two robots
 # Rows are moved outward by up to twice this [share of the box], each by another amount, so that no two vertices coincide.
 OUTWARD = 1e-10
 # A row is violated beyond this, far below what it was moved by.
@@ -31,7 +30,9 @@ def spread(k: Any) -> Any:
 
 
 class Rows(NamedTuple):
-    """The rows of a program, each with at most four non-zeros, the bounds of the variables last: z_j <= 1, then -z_j <= 1.
+    """The rows of a program, the bounds of the variables last: z_j <= 1, then -z_j <= 1.
+
+    A row has at most four non-zeros: two coordinates of two robots.
 
     Attributes:
         column: (r, 4) which variables; padded with 0.
@@ -114,15 +115,6 @@ def combination(rows: Rows, basis: Basis, i: int, weights: Array) -> None:
 
 
 @compiled
-def walk(basis: Basis, k: int, step: float, rates: Array) -> None:
-    """Leave row k along its edge, a step far, on which the slacks shrink at the given rates."""
-    for j in range(len(basis.point)):
-        basis.point[j] -= step * basis.inverse[j, k]
-    for i in range(len(rates)):
-        basis.slack[i] -= step * rates[i]
-
-
-@compiled
 def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
     """Write how fast each slack shrinks along the edge on which row k is left."""
     variables, edge = len(basis.point), -basis.inverse[:, k]
@@ -134,10 +126,16 @@ def slack_rates(rows: Rows, basis: Basis, k: int, rates: Array) -> None:
 
 
 @compiled
-def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
-    """Put a row, written as a combination of the basic ones, in the place of the k-th of them."""
+def exchange(basis: Basis, k: int, step: float, rates: Array, entering: int, weights: Array) -> None:
+    """Leave the k-th basic row along its edge, a step far, and put another one in its place, a combination of the basic ones.
+
+    The slacks shrink at the given rates along the edge.
+    """
     variables, part = len(basis.basic), 1 / weights[k]
+    for i in range(len(rates)):
+        basis.slack[i] -= step * rates[i]
     for j in range(variables):
+        basis.point[j] -= step * basis.inverse[j, k]
         share = basis.inverse[j, k] * part
         if share != 0.0:
             for m in range(variables):
@@ -150,7 +148,7 @@ def exchange(basis: Basis, k: int, entering: int, weights: Array) -> None:
 
 
 @compiled
-def exchange_prices(prices: Array, k: int, weights: Array) -> None:
+def reprice(prices: Array, k: int, weights: Array) -> None:
     """Change the weights of the basic rows in an objective accordingly."""
     share = prices[k] / weights[k]
     for m in range(len(weights)):
@@ -159,8 +157,13 @@ def exchange_prices(prices: Array, k: int, weights: Array) -> None:
 
 
 @compiled
-def mend(rows: Rows, basis: Basis) -> None:
-    """Take the rounding of many exchanges out of the inverse, by a step of Newton's method (Schulz, 1933), and of the point."""
+def mend(rows: Rows, basis: Basis, count: int) -> bool:
+    """Take the rounding of many exchanges out of the inverse, by a step of Newton's method (Schulz, 1933), and of the point.
+
+    Return whether it is time for that, after so many exchanges.
+    """
+    if count % MENDED_AFTER:
+        return False
     variables = len(basis.basic)
     product = np.empty((variables, variables))
     for k in range(variables):
@@ -175,6 +178,7 @@ def mend(rows: Rows, basis: Basis) -> None:
                     error[m] += basis.inverse[j, k] * product[k, m]
         basis.inverse[j] -= error
     locate(rows, basis)
+    return True
 
 
 @compiled
@@ -184,8 +188,6 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
     Returns:
         FOUND; or EMPTY with the row that contradicts the basic ones; or LOST after too many exchanges.
     """
-    if not len(prices):
-        return FOUND, -1
     weights, rates = np.empty(len(prices)), np.empty(len(rows.offset))
     for count in range(limit):
         entering = int(np.argmin(basis.slack))
@@ -198,12 +200,10 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
                 k = m
         if k == none:
             return EMPTY, entering
-        exchange_prices(prices, k, weights)
+        reprice(prices, k, weights)
         for m in range(len(prices)):
             prices[m] = max(0.0, prices[m])
         slack_rates(rows, basis, k, rates)
-        walk(basis, k, -basis.slack[entering] / weights[k], rates)
-        exchange(basis, k, entering, weights)
-        if count % MENDED_AFTER == MENDED_AFTER - 1:
-            mend(rows, basis)
+        exchange(basis, k, -basis.slack[entering] / weights[k], rates, entering, weights)
+        mend(rows, basis, count + 1)
     return LOST, -1

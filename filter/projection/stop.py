@@ -1,10 +1,10 @@
 """When a projection is good enough, and how long a step may take."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from filter.arrays import function, number, settle, whole_number
+from filter.arrays import Frozen, checked, function, number, whole_number
 
 Reason = Literal["exact", "performance ratio", "area gap", "searches", "time", "solver"]
 REASONS: tuple[Reason, ...] = get_args(Reason)
@@ -18,7 +18,7 @@ def never() -> bool:
 
 
 @dataclass(frozen=True)
-class Stop:
+class Stop(Frozen):
     """When a projection is good enough: at whichever comes first.
 
     A search ends there; an exact projection is simplified, outward, as far as that. Raises `InvalidInput` if a number is not
@@ -30,17 +30,9 @@ class Stop:
         searches: Number of searches, or of edges, from 4 on.
     """
 
-    performance_ratio: float = 0.999
-    area_gap: float = 0.0
-    searches: int = 32
-
-    def __post_init__(self) -> None:
-        settle(
-            self,
-            performance_ratio=number("performance ratio", self.performance_ratio, 0, 1),
-            area_gap=number("area gap [m2]", self.area_gap, 0),
-            searches=whole_number("searches", self.searches, 4),
-        )
+    performance_ratio: float = field(default=0.999, metadata=checked(number, "performance ratio", 0, 1))
+    area_gap: float = field(default=0.0, metadata=checked(number, "area gap [m2]", 0))
+    searches: int = field(default=32, metadata=checked(whole_number, "searches", 4))
 
     def reason(self, inner_area: float, gap: float, searches: int) -> Reason | None:
         """Return why to end a search, or None to go on."""
@@ -57,7 +49,7 @@ class Stop:
 
 
 @dataclass(frozen=True)
-class Budget:
+class Budget(Frozen):
     """How long an update may take. With a budget, results depend on the machine.
 
     It is looked at between one region and the next, in windows after every 64 on each thread, and in a search from the fourth
@@ -70,12 +62,8 @@ class Budget:
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
     """
 
-    seconds: float
-    clock: Callable[[], float]
-
-    def __post_init__(self) -> None:
-        settle(self, seconds=number("time budget [s]", self.seconds, 0))
-        function("clock", self.clock)
+    seconds: float = field(metadata=checked(number, "time budget [s]", 0))
+    clock: Callable[[], float] = field(metadata=checked(function, "clock"))
 
     def begin(self) -> IsOver:
         """Return what tells, from now on, whether time is up."""

@@ -10,13 +10,13 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.geometry.convex import EPSILON, SMALLEST, clip_box, line_behind
-from filter.linear.certify import WORTHLESS, Members, certified
+from filter.linear.certify import WORTHLESS, Boxes, Members, certified
 from filter.linear.constraints import WORLD
 from filter.projection.inside import inside_of
 from filter.projection.shadow import LONGEST, LONGEST_EACH, Trace, no_trace, simplified, turn
 from filter.projection.sheet import Sheet, Task
 from filter.projection.simplex import EMPTY, FOUND, LOST, Basis, become_feasible, combination, corner, spread
-from filter.projection.window import WindowProgram, box_around, members_of, program_of, rows_in, rows_on
+from filter.projection.window import WindowProgram, members_of, program_of, rows_in
 
 # How far the first objective leads away from the plane that is projected onto.
 ASIDE = 0.01
@@ -61,59 +61,45 @@ class Edges(NamedTuple):
 
 
 @compiled
-def project_some(i: Integers, j: Integers, task: Task, sheet: Sheet) -> int:
-    """Project the windows of some pairs i, j, or of robots j where i is WORLD, onto a sheet.
+def project_some(
+    pairs: tuple[Integers, Integers], own: tuple[Integers, Integers], around: Boxes, task: Task, sheet: Sheet
+) -> int:
+    """Project the windows of k pairs i, j, or of robots j where i is WORLD, onto a sheet.
+
+    The own rows of each begin and end at `own` (k,); its box has the corners `around` (k, 2).
 
     Returns:
         0; or, where a window is proved to be empty, how many rows prove that: these are the first ones of the sheet.
     """
-    place, proof = np.full(len(task.box[0]), -1), 0
-    for k in range(len(j)):
-        proof = project_window(k, i[k], j[k], task, place, sheet)
-        if proof:
-            break
-    return proof
-
-
-@compiled
-def project_window(k: int, i: int, j: int, task: Task, place: Integers, sheet: Sheet) -> int:
-    """Project a window onto the position of robot j, or onto x_j - x_i where i is not WORLD.
-
-    Args:
-        k: Its place on the sheet, of which everything before is written.
-        i: A robot, or WORLD.
-        j: A robot.
-        task: The team.
-        place: (n,) scratch, all -1, and so again afterwards.
-        sheet: Where to write.
-
-    Returns:
-        What `project_some` does.
-    """
-    members, whole = members_of(i, j, task.hops, task.most, task.who, place)
-    numbers = rows_in(members, place, task.who)
-    program = program_of(members, place, numbers, task.team, task.box)
-    plane = plane_of(program, i != WORLD)
-    how, trace, basis, contradicted = walked(program, plane)
-    seen, where, proof = vertices_of(trace, plane), (place, program.centre, program.radius), 0
-    sheet.first[k + 1], sheet.corner_first[k + 1] = sheet.first[k], sheet.corner_first[k]
-    sheet.margin[k], sheet.searches[k], sheet.why[k] = 0.0, 0, 0
-    if how == EMPTY and i == WORLD:
-        row, weight = contradiction(program, basis, contradicted)
-        if certified(i, j, np.zeros(2), weight, row, where, task.team) < 0:
-            proof = len(row)
-            for m in range(proof):
-                sheet.row[m], sheet.weight[m] = row[m], weight[m]
-    if how == FOUND:
-        how, edges = edges_of(i, j, program, plane, trace, seen, where, task)
+    place = np.full(len(task.box[0]), -1)
+    for k in range(len(pairs[0])):
+        i, j = pairs[0][k], pairs[1][k]
+        members = members_of(i, j, task.hops, task.most, task.who, place)
+        numbers = rows_in(members, place, task.who)
+        program = program_of(members, place, numbers, task.team, task.box)
+        plane = plane_of(program, i != WORLD)
+        how, trace, basis, contradicted = walked(program, plane)
+        seen, where = vertices_of(trace, plane), (place, program.centre, program.radius)
+        sheet.first[k + 1], sheet.corner_first[k + 1] = sheet.first[k], sheet.corner_first[k]
+        sheet.margin[k], sheet.searches[k], sheet.why[k] = 0.0, 0, 0
+        if how == EMPTY and i == WORLD:
+            row, weight = contradiction(program, basis, contradicted)
+            if certified(i, j, np.zeros(2), weight, row, where, task.team) < 0:
+                for m in range(len(row)):
+                    sheet.row[m], sheet.weight[m] = row[m], weight[m]
+                return len(row)
         if how == FOUND:
-            write_outline(k, i, j, edges, task, sheet)
-            if task.inside and whole:
-                inside = inside_of(program, (trace, basis, plane.right), seen, numbers, (members, place, task.box), task.team)
-                write_corners(k, inside, sheet)
-    for member in members:
-        place[member] = -1
-    return proof
+            how, edges = edges_of(i, j, program, plane, trace, seen, where, task)
+            if how == FOUND:
+                write_outline(k, edges, (own[0][k], own[1][k]), (around[0][k], around[1][k]), task, sheet)
+                if task.inside:
+                    ended, whose = (trace, basis, plane.right), (members, place, task.box)
+                    corners = inside_of(program, ended, seen, numbers, whose, task.team)
+                    sheet.corner_first[k + 1] += len(corners)
+                    sheet.corners[sheet.corner_first[k] : sheet.corner_first[k + 1]] = corners
+        for member in members:
+            place[member] = -1
+    return 0
 
 
 @compiled
@@ -195,26 +181,20 @@ def edges_of(
     rows, prices = np.full((len(kept), variables), len(task.team[3])), np.zeros((len(kept), variables))
     how = FOUND
     for at in range(len(kept)):
-        normals[at, 0], normals[at, 1] = edge_of(program, plane, trace, kept[at], rows[at], prices[at])
+        k = kept[at]
+        x = trace.normal[k, 0] / (plane.size[0] if plane.size[0] > 0 else 1.0)
+        y = trace.normal[k, 1] / (plane.size[1] if plane.size[1] > 0 else 1.0)
+        length = np.hypot(x, y)
+        normals[at, 0], normals[at, 1] = x / length, y / length
+        for m in range(variables):
+            basic = trace.basic[k, m]
+            if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
+                rows[at, m], prices[at, m] = program.number[basic], trace.prices[k, m] / (length * program.size[basic])
         offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
         # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
-        if i == WORLD and not is_tight(plane, seen[kept[at]], normals[at], offsets[at], prices[at].sum()):
+        if i == WORLD and not is_tight(plane, seen[k], normals[at], offsets[at], prices[at].sum()):
             how = LOST
     return how, Edges(normals, offsets, rows, prices, why)
-
-
-@compiled
-def edge_of(program: WindowProgram, plane: Plane, trace: Trace, k: int, rows: Integers, prices: Array) -> tuple[float, float]:
-    """Return the normal of one of a walk's edges, and write which constraints prove it, with which multipliers."""
-    x = trace.normal[k, 0] / (plane.size[0] if plane.size[0] > 0 else 1.0)
-    y = trace.normal[k, 1] / (plane.size[1] if plane.size[1] > 0 else 1.0)
-    length = np.hypot(x, y)
-    for m in range(len(rows)):
-        basic = trace.basic[k, m]
-        if basic < len(program.number) and trace.prices[k, m] > WORTHLESS:
-            rows[m] = program.number[basic]
-            prices[m] = trace.prices[k, m] / (length * program.size[basic])
-    return x / length, y / length
 
 
 @compiled
@@ -227,15 +207,15 @@ def is_tight(plane: Plane, vertex: Array, normal: Array, offset: float, price: f
 
 
 @compiled
-def write_outline(k: int, i: int, j: int, edges: Edges, task: Task, sheet: Sheet) -> None:
+def write_outline(k: int, edges: Edges, own: tuple[int, int], around: Boxes, task: Task, sheet: Sheet) -> None:
     """Write the polygon that edges and the robot's or the pair's own rows leave of its box, and the rows that prove it."""
-    (begin, end), (lower, upper), searches = rows_on(i, j, task.who), box_around(i, j, task.box), len(edges.offsets)
+    (begin, end), (lower, upper), searches = own, around, len(edges.offsets)
     normals, offsets = np.empty((searches + end - begin, 2)), np.empty(searches + end - begin)
     for line in range(len(offsets)):
-        own = begin + line - searches
+        row = begin + line - searches
         for m in range(2):
-            normals[line, m] = edges.normals[line, m] if line < searches else task.team[2][own, m]
-        offsets[line] = edges.offsets[line] if line < searches else task.team[3][own]
+            normals[line, m] = edges.normals[line, m] if line < searches else task.team[2][row, m]
+        offsets[line] = edges.offsets[line] if line < searches else task.team[3][row]
     first, behind = sheet.first[k], np.empty(len(offsets) + 4, dtype=np.int64)
     into = sheet.vertices[first:], behind
     size, sheet.margin[k] = clip_box(into, (normals, offsets), lower, upper)
@@ -254,12 +234,3 @@ def write_outline(k: int, i: int, j: int, edges: Edges, task: Task, sheet: Sheet
             count += 1
         sheet.row_first[at + 1] = count
     sheet.first[k + 1], sheet.searches[k], sheet.why[k] = first + size, searches, edges.why
-
-
-@compiled
-def write_corners(k: int, inside: Array, sheet: Sheet) -> None:
-    """Write the corners of an inner polygon."""
-    first = sheet.corner_first[k]
-    for m in range(len(inside)):
-        sheet.corners[first + m, 0], sheet.corners[first + m, 1] = inside[m, 0], inside[m, 1]
-    sheet.corner_first[k + 1] = first + len(inside)

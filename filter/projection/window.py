@@ -6,12 +6,12 @@ would hear over a radio from those it has measured, or that have measured it: th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, settle, whole_number
+from filter.arrays import Array, Frozen, Integers, checked, whole_number
 from filter.compiled import compiled
 from filter.linear.certify import Boxes, members_at
 from filter.linear.constraints import WORLD, Columns, Constraints
@@ -21,23 +21,18 @@ EVERYBODY = 2**31  # more hops, and more robots, than any team has
 
 
 @dataclass(frozen=True)
-class Window:
+class Window(Frozen):
     """How much of the team a robot's region is found from: what it would hear over a radio.
+
+    Raises `InvalidInput` if a number is too small, or not whole.
 
     Attributes:
         hops: How many measured pairs away the farthest robot may be, from 1 on.
         robots: How many robots a window may have, from 2 on; the nearest in hops come first.
-
-    Raises:
-        InvalidInput: A number is too small, or not whole.
     """
 
-    hops: int = 1
-    robots: int = 12
-
-    def __post_init__(self) -> None:
-        hops, robots = whole_number("hops of a window", self.hops, 1), whole_number("robots of a window", self.robots, 2)
-        settle(self, hops=hops, robots=robots)
+    hops: int = field(default=1, metadata=checked(whole_number, "hops of a window", 1))
+    robots: int = field(default=12, metadata=checked(whole_number, "robots of a window", 2))
 
     @classmethod
     def everybody(cls) -> Window:
@@ -81,83 +76,42 @@ def links(rows: Constraints, robots: int) -> Links:
 
 
 @compiled
-def members_of(i: int, j: int, hops: int, most: int, who: Links, place: Integers) -> tuple[Integers, bool]:
+def members_of(i: int, j: int, hops: int, most: int, who: Links, place: Integers) -> Integers:
     """Return robot j, i if that is not WORLD, and those at most so many pairs away from them, the nearest first.
 
-    There are at most so many, from 2 on. The place of each is written into (n,) scratch, all -1 before. Besides, return whether
-    nobody who has to do with them is left out.
+    There are at most so many, from 2 on. The place of each is written into (n,) scratch, all -1 before.
     """
     members = np.empty(min(most, len(place)), dtype=np.int64)
     members[0], place[j], count, begin = j, 0, 1, 0
     if i != WORLD:
         members[1], place[i], count = i, 1, 2
-    missed = False
     for _ in range(hops):
         end = count
         for at in range(begin, end):
             for k in range(who.near_first[members[at]], who.near_first[members[at] + 1]):
-                if place[who.near[k]] < 0:
-                    if count < len(members):
-                        members[count], place[who.near[k]] = who.near[k], count
-                        count += 1
-                    else:
-                        missed = True
+                if place[who.near[k]] < 0 and count < len(members):
+                    members[count], place[who.near[k]] = who.near[k], count
+                    count += 1
         begin = end
         if end == count:
-            return members[:count].copy(), not missed
-    return members[:count].copy(), False
-
-
-@compiled
-def members_of_robot(robot: int, hops: int, most: int, who: Links, place: Integers) -> Integers:
-    """Return the members of one robot's window, as `members_of` does."""
-    return members_of(WORLD, robot, hops, most, who, place)[0]
-
-
-@compiled
-def rows_on(i: int, j: int, who: Links) -> tuple[int, int]:
-    """Return where the rows on robot j alone, if i is WORLD, or those on the pair i, j begin and end."""
-    if i == WORLD:
-        return who.own_first[j], who.own_first[j + 1]
-    for k in range(who.near_first[j], who.near_first[j + 1]):
-        if who.near[k] == i:
-            return who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1]
-    return 0, 0
-
-
-@compiled
-def box_around(i: int, j: int, box: Boxes) -> Boxes:
-    """Return lower and upper corner (2,) of robot j's box, or of a box around x_j - x_i where i is not WORLD [m]."""
-    lower, upper = box[0][j].copy(), box[1][j].copy()
-    if i != WORLD:
-        for m in range(2):
-            lower[m] = np.nextafter(lower[m] - box[1][i, m], -np.inf)
-            upper[m] = np.nextafter(upper[m] - box[0][i, m], np.inf)
-    return lower, upper
+            break
+    return members[:count].copy()
 
 
 @compiled
 def rows_in(members: Integers, place: Integers, who: Links) -> Integers:
     """Return the rows on the members alone and on pairs of members."""
-    rows, total = np.empty(0, dtype=np.int64), 0
-    for _ in range(2):  # first they are counted
-        rows, total = np.empty(total, dtype=np.int64), 0
-        for a in members:
-            total = _put(who.own_first[a], who.own_first[a + 1], rows, total)
-            for k in range(who.near_first[a], who.near_first[a + 1]):
-                if who.near[k] > a and place[who.near[k]] >= 0:
-                    total = _put(who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1], rows, total)
-    return rows
-
-
-@compiled
-def _put(begin: int, end: int, rows: Integers, count: int) -> int:
-    """Write some numbers in a row after so many, as far as there is room; return how many there are then."""
-    for row in range(begin, end):
-        if count < len(rows):
+    rows, count = np.empty(who.pair_first[-1], dtype=np.int64), 0
+    for a in members:
+        for row in range(who.own_first[a], who.own_first[a + 1]):
             rows[count] = row
-        count += 1
-    return count
+            count += 1
+        for k in range(who.near_first[a], who.near_first[a + 1]):
+            if who.near[k] > a and place[who.near[k]] >= 0:
+                for row in range(who.pair_first[who.near_pair[k]], who.pair_first[who.near_pair[k] + 1]):
+                    rows[count] = row
+                    count += 1
+    return rows[:count].copy()
 
 
 class WindowProgram(NamedTuple):
@@ -180,15 +134,7 @@ class WindowProgram(NamedTuple):
 
 @compiled
 def program_of(members: Integers, place: Integers, number: Integers, team: Columns, box: Boxes) -> WindowProgram:
-    """Return the program of some rows on the members.
-
-    Args:
-        members: Whose coordinates are the variables.
-        place: (n,) the place of each member among them.
-        number: Which constraints.
-        team: i, j, normal and offset of all constraints.
-        box: Lower and upper corners (n, 2) of all robots.
-    """
+    """Return the program of constraints by number; its variables are the members' coordinates, in their places (n,)."""
     i, j, normal, offset = team
     variables = 2 * len(members)
     _, centre, radius = members_at(members, place, box)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.programs import random_polytope
 from helpers.worlds import NO_ROWS, of_pair, of_robot, unit
 
 from filter.geometry.polygon import SIDES
@@ -101,3 +102,12 @@ def test_a_row_that_seems_to_hold_nowhere_in_the_box_is_seen(seed):
     for broken in range(-1, 8):
         offset = np.where(np.arange(8) == broken, least - 1e-9, barely)
         assert Polytope(replace(rows, offset=offset), lower, upper).may_have_a_broken_row() == (broken >= 0)
+
+
+def test_the_box_around_a_pair_holds_every_difference():
+    team = random_polytope(np.random.default_rng(0), 3, 0, at=1e6)
+    lower, upper = team.around(np.array([WORLD, 0]), np.array([1, 2]))
+    assert (lower[0].tolist(), upper[0].tolist()) == (team.lower[1].tolist(), team.upper[1].tolist())
+    assert (lower[1] <= team.lower[2] - team.upper[0]).all()
+    assert (upper[1] >= team.upper[2] - team.lower[0]).all()
+    assert upper[1] == pytest.approx(team.upper[2] - team.lower[0], abs=1e-9)

@@ -6,7 +6,7 @@ from helpers.worlds import random_program
 from scipy import sparse
 
 from filter.linear.program import LinearProgram
-from filter.linear.scaled import ScaledProgram
+from filter.linear.solvers import ScaledProgram
 
 
 @pytest.mark.parametrize("at", [0.0, 1e6])

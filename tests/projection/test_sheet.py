@@ -16,17 +16,13 @@ def task_of(polytope, inside=True, stop=None, hops=99, most=99):
     return Task(hops, most, inside, goal, links_of(polytope), polytope.constraints.rows, box)
 
 
-def own(polytope, i, j):
-    begin, end = polytope.constraints.groups(i, j)
-    return end - begin
-
-
 def written(polytope, task, i, j):
     """Return a sheet with some windows, every number that nobody writes a strange one."""
-    sheet = blank(own(polytope, i, j), task)
+    begin, end = polytope.constraints.groups(i, j)
+    sheet = blank(end - begin, task)
     for column in (sheet.normals, sheet.offsets, sheet.vertices, sheet.weight, sheet.corners):
         column[:] = np.nan
-    assert project_some(i, j, task, sheet) == 0
+    assert project_some((i, j), (begin, end), polytope.around(i, j), task, sheet) == 0
     return sheet
 
 
@@ -72,8 +68,9 @@ def test_one_that_is_lost_has_no_edges():
 def test_one_that_is_empty_begins_the_sheet_with_its_proof():
     polytope = single([[0.6, 0.8], [-0.6, -0.8]], [0.5, -0.7], [0, 0], [1, 1])
     task = task_of(polytope)
+    i, j = np.array([WORLD]), np.array([0])
     sheet = blank(np.array([2]), task)
-    count = project_some(np.array([WORLD]), np.array([0]), task, sheet)
+    count = project_some((i, j), polytope.constraints.groups(i, j), polytope.around(i, j), task, sheet)
     assert count == 2
     multipliers = np.zeros(2)
     multipliers[sheet.row[:count]] = sheet.weight[:count]
@@ -89,11 +86,12 @@ def test_there_is_room_enough(seed, stop):
     robots = len(polytope.lower)
     for task in (task_of(polytope, stop=stop), task_of(polytope, stop=stop, most=2)):
         i, j = np.full(robots, WORLD), np.arange(robots)
-        sheet, ample = blank(own(polytope, i, j), task), blank(own(polytope, i, j) + 1000, task)
-        assert project_some(i, j, task, ample) == 0
+        begin, end = polytope.constraints.groups(i, j)
+        sheet, ample = blank(end - begin, task), blank(end - begin + 1000, task)
+        assert project_some((i, j), (begin, end), polytope.around(i, j), task, ample) == 0
         assert (np.diff(ample.first) > 0).all()
         edges = ample.first[-1]
         assert edges <= len(sheet.offsets) == len(sheet.row_first) - 1
         assert ample.row_first[edges] <= len(sheet.row) == len(sheet.weight)
         assert ample.corner_first[-1] <= len(sheet.corners)
-        assert len(blank(own(polytope, i, j), task._replace(inside=False)).corners) == 0
+        assert len(blank(end - begin, task._replace(inside=False)).corners) == 0

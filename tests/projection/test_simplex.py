@@ -5,7 +5,19 @@ import pytest
 from helpers.walks import LIMIT, begun, dense
 from scipy.optimize import linprog
 
-from filter.projection.simplex import EMPTY, FOUND, LOST, Rows, become_feasible, combination, corner, exchange, locate, mend
+from filter.projection.simplex import (
+    EMPTY,
+    FOUND,
+    LOST,
+    MENDED_AFTER,
+    Rows,
+    become_feasible,
+    combination,
+    corner,
+    exchange,
+    locate,
+    mend,
+)
 
 
 def consistent(rows, basis, tolerance=1e-9):
@@ -49,7 +61,7 @@ def test_exchanges_keep_the_inverse():
     for _ in range(20):
         entering = int(rng.choice(np.flatnonzero(~basis.is_basic)))
         combination(rows, basis, entering, weights)
-        exchange(basis, int(np.argmax(np.abs(weights))), entering, weights)
+        exchange(basis, int(np.argmax(np.abs(weights))), 0.0, np.zeros(len(rows.offset)), entering, weights)
         locate(rows, basis)
         consistent(rows, basis)
 
@@ -58,7 +70,8 @@ def test_mending_squares_the_error():
     rows, basis, objective = begun(3)
     become_feasible(rows, basis, np.abs(objective), LIMIT)
     basis.inverse[:] += 1e-5 * np.random.default_rng(0).normal(size=basis.inverse.shape)
-    mend(rows, basis)
+    assert not mend(rows, basis, MENDED_AFTER + 1)
+    assert mend(rows, basis, MENDED_AFTER)
     consistent(rows, basis, tolerance=1e-6)
 
 

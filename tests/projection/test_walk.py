@@ -22,7 +22,7 @@ from filter.linear.polytope import Polytope
 from filter.projection.sheet import Task, blank
 from filter.projection.simplex import FOUND, LOST
 from filter.projection.stop import REASONS, Stop
-from filter.projection.walk import edges_of, plane_of, project_window, vertices_of, walked
+from filter.projection.walk import edges_of, plane_of, project_some, vertices_of, walked
 from filter.sets.set_membership import SetMembershipFilter
 
 DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))
@@ -277,34 +277,30 @@ def test_the_reason_says_what_decided():
         assert regions(around(60), stop).reasons == (reason,)
 
 
-def found_in(polytope, i, j, task, place):
+def found_in(polytope, i, j, task):
     """Return the proof of emptiness, and the sheet with one window."""
-    begin, end = polytope.constraints.groups(np.array([i]), np.array([j]))
+    i, j = np.array([i]), np.array([j])
+    begin, end = polytope.constraints.groups(i, j)
     sheet = blank(end - begin, task)
-    return project_window(0, i, j, task, place, sheet), sheet
+    return project_some((i, j), (begin, end), polytope.around(i, j), task, sheet), sheet
 
 
 def test_a_shadow_of_too_many_edges_is_lost():
     for count, edges in ((300, 300), (500, 0)):
         polytope = around(count)
-        place = np.full(1, -1)
-        proof, sheet = found_in(polytope, WORLD, 0, task_of(polytope), place)
+        proof, sheet = found_in(polytope, WORLD, 0, task_of(polytope))
         assert (proof, sheet.first.tolist()) == (0, [0, edges])
-        assert place.tolist() == [-1]
 
 
 def test_a_window_says_what_it_found():
     polytope = merged_team(4)
-    place = np.full(5, -1)
     for i, j in ((WORLD, 0), (WORLD, 4), (0, 3)):
-        proof, sheet = found_in(polytope, i, j, task_of(polytope, Stop())._replace(inside=i == WORLD), place)
+        proof, sheet = found_in(polytope, i, j, task_of(polytope, Stop())._replace(inside=i == WORLD))
         edges = sheet.first[1]
         assert proof == 0 < edges
         assert REASONS[sheet.why[0]] in ("exact", "performance ratio")
         assert 0 < sheet.searches[0] <= edges <= sheet.row_first[edges]
         assert (sheet.corner_first[1] > 0) == (i == WORLD)
-        assert (place == -1).all()
     empty = cut(polytope, 4, 0.1)
-    proof, sheet = found_in(empty, WORLD, 2, task_of(empty), place)
+    proof, sheet = found_in(empty, WORLD, 2, task_of(empty))
     assert (proof > 0, sheet.first.tolist(), sheet.corner_first.tolist()) == (True, [0, 0], [0, 0])
-    assert (place == -1).all()

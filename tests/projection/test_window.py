@@ -8,7 +8,7 @@ from helpers.walks import dense
 from filter.errors import InvalidInput
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.projection.window import Window, box_around, members_of, members_of_robot, rows_in, rows_on
+from filter.projection.window import Window, members_of, rows_in
 
 
 def neighbours(polytope):
@@ -54,19 +54,15 @@ def test_the_members_are_the_nearest_and_no_more_than_there_is_room_for(seed):
         for hops in (1, 2, 3, 99):
             wanted = within(near, {robot}, hops)
             place = nobody(polytope)
-            members, whole = members_of(WORLD, robot, hops, 99, who, place)
+            members = members_of(WORLD, robot, hops, 99, who, place)
             assert members[0] == robot
             assert set(members.tolist()) == wanted
             assert len(members) == len(wanted)
             assert (place[members] == np.arange(len(members))).all()
             assert (place >= 0).sum() == len(members)
-            assert not whole or within(near, wanted, 1) == wanted
-            assert whole or hops < 99
-            assert members_of_robot(robot, hops, 99, who, nobody(polytope)).tolist() == members.tolist()
             for most in (2, 3, 5):
-                few, whole = members_of(WORLD, robot, hops, most, who, nobody(polytope))
+                few = members_of(WORLD, robot, hops, most, who, nobody(polytope))
                 assert few.tolist() == members[:most].tolist()
-                assert not whole or len(wanted) <= most
         distance = [min(h for h in range(10) if member in within(near, {robot}, h)) for member in members.tolist()]
         assert distance == sorted(distance)
 
@@ -75,10 +71,10 @@ def test_a_pair_comes_first_in_its_own_window():
     polytope = random_polytope(np.random.default_rng(3), 9, 14)
     near, who = neighbours(polytope), links_of(polytope)
     for i, j in ((0, 5), (2, 8)):
-        members, _ = members_of(i, j, 1, 99, who, nobody(polytope))
+        members = members_of(i, j, 1, 99, who, nobody(polytope))
         assert members[:2].tolist() == [j, i]
         assert set(members.tolist()) == within(near, {i, j}, 1)
-        assert members_of(i, j, 3, 2, who, nobody(polytope))[0].tolist() == [j, i]
+        assert members_of(i, j, 3, 2, who, nobody(polytope)).tolist() == [j, i]
 
 
 def test_rows_of_members_are_those_on_them_alone_and_between_them():
@@ -89,29 +85,13 @@ def test_rows_of_members_are_those_on_them_alone_and_between_them():
         place[chosen] = np.arange(len(chosen))
         wanted = [k for k in range(len(rows)) if {int(rows.i[k]), int(rows.j[k])} <= {WORLD, *chosen}]
         assert sorted(rows_in(np.array(chosen), place, who).tolist()) == wanted
-    for i, j in [(WORLD, 0), (WORLD, 4), (0, 1), (2, 4)]:
-        begin, end = rows_on(i, j, who)
-        assert list(range(begin, end)) == np.flatnonzero((rows.i == i) & (rows.j == j)).tolist()
 
 
 def test_links_know_who_has_no_rows():
     rows = Constraints(np.array([1, WORLD]), np.array([3, 3]), np.eye(2), np.ones(2), np.zeros(2, dtype=int))
     who = links_of(Polytope(rows, np.zeros((5, 2)), np.ones((5, 2))))
-    assert [rows_on(WORLD, robot, who) for robot in range(5)] == [(0, 0), (0, 0), (0, 0), (0, 1), (1, 1)]
+    assert who.own_first.tolist() == [0, 0, 0, 0, 1, 1]
     assert [np.diff(who.near_first).tolist(), who.near.tolist()] == [[0, 1, 0, 1, 0], [3, 1]]
-    begin, end = rows_on(0, 2, who)
-    assert begin == end
-
-
-def test_the_box_around_a_pair_holds_every_difference():
-    polytope = random_polytope(np.random.default_rng(0), 3, 0, at=1e6)
-    box = polytope.lower, polytope.upper
-    lower, upper = box_around(WORLD, 1, box)
-    assert (lower.tolist(), upper.tolist()) == (box[0][1].tolist(), box[1][1].tolist())
-    lower, upper = box_around(0, 2, box)
-    assert (lower <= box[0][2] - box[1][0]).all()
-    assert (upper >= box[1][2] - box[0][0]).all()
-    assert upper == pytest.approx(box[1][2] - box[0][0], abs=1e-9)
 
 
 @pytest.mark.parametrize("members", [[0, 1, 2, 3], [2, 0]])

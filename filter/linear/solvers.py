@@ -5,7 +5,7 @@ module that imports piqp, highspy and qpsolvers, and not before they are asked: 
 """
 
 from collections.abc import Callable, Iterable
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from importlib.util import find_spec
 from typing import Protocol
 
@@ -59,7 +59,7 @@ def workspace(program: LinearProgram, solver: Solver) -> Workspace:
 
 def check_solver(solver: Solver) -> None:
     """Raise `InvalidInput`, with the list of those there are, unless the solver is installed."""
-    ours = isinstance(solver, str) and solver in PACKAGES and all(map(find_spec, PACKAGES[solver]))
+    ours = isinstance(solver, str) and solver in PACKAGES and all(map(_is_there, PACKAGES[solver]))
     if callable(solver) or ours:  # nothing is loaded for these
         return
     import qpsolvers  # noqa: PLC0415 - see above
@@ -67,6 +67,12 @@ def check_solver(solver: Solver) -> None:
     known = sorted([*qpsolvers.available_solvers, SIMPLEX])
     if not isinstance(solver, str) or solver not in known:
         raise InvalidInput(f"a solver among {', '.join(known)}", shown(solver))
+
+
+@cache
+def _is_there(package: str) -> bool:
+    """Return whether a package can be imported; asked once, as an interrupt in here would leave the lock of imports locked."""
+    return find_spec(package) is not None
 
 
 def checked_solvers(solvers: Iterable[Solver]) -> tuple[Solver, ...]:

@@ -15,6 +15,7 @@ from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Frame, Measurement, Odometry, Range, Truth
+from filter.projection.fallback import Fallback
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
@@ -22,7 +23,7 @@ from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
-from filter.sets.belief import Belief, Event, Fallback, Proof, Rejected
+from filter.sets.belief import Belief, Event, Proof, Rejected
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
 from filter.team import Team

@@ -127,7 +127,7 @@ class AngularIntervals:
     def _each(self, name: str, values: Array) -> Array:
         if values.shape not in ((), (1,), self.centre.shape):
             raise InvalidInput(f"{name}: one, or one for each of {len(self)} arcs", f"shape {values.shape}")
-        return np.array(np.broadcast_to(values, self.centre.shape))
+        return np.broadcast_to(values, self.centre.shape)
 
     def intersection(self, other: AngularIntervals) -> AngularIntervals:
         """Return the smallest arcs that contain what each pair of arcs has in common.

@@ -79,7 +79,7 @@ def line_behind(edge: int, lines: Lines, lower: Array, upper: Array) -> tuple[fl
 @compiled
 def hull_of(points: Array) -> Array:
     """Return the corners of the convex hull of (k, 2) points, counter-clockwise (monotone chain; Andrew, 1979)."""
-    order = _by_x_and_y(points)
+    order = _in_order(points[:, 0].copy(), points[:, 1].copy())
     hull, size = np.empty((2 * len(points), 2)), 0
     for way in range(2):
         base = size
@@ -96,18 +96,15 @@ def hull_of(points: Array) -> Array:
 
 
 @compiled
-def _by_x_and_y(points: Array) -> Integers:
-    """Return the order of points by x, then by y; they are few, and a library's sort takes seconds to compile."""
-    order = np.arange(len(points))
-    for k in range(1, len(points)):
-        point, place = order[k], k
-        while place and (
-            points[order[place - 1], 0] > points[point, 0]
-            or (points[order[place - 1], 0] == points[point, 0] and points[order[place - 1], 1] > points[point, 1])
-        ):
+def _in_order(first: Array, then: Array) -> Integers:
+    """Return the order of (k,) pairs of numbers; they are few, and a library's sort takes seconds to compile."""
+    order = np.arange(len(first))
+    for k in range(1, len(first)):
+        place = k
+        while place and (first[order[place - 1]], then[order[place - 1]]) > (first[k], then[k]):
             order[place] = order[place - 1]
             place -= 1
-        order[place] = point
+        order[place] = k
     return order
 
 
@@ -157,9 +154,8 @@ def span_of(vertices: Array, margin: float) -> tuple[float, float]:
         size = max(size, abs(vertices[k, 0]), abs(vertices[k, 1]))
     doubt = 2 * margin + 8 * EPSILON * size
     nearest = _distance_of_edges(vertices) - doubt
-    seen = np.zeros((len(vertices), 2))
-    seen[:, 0] = np.arctan2(vertices[:, 1], vertices[:, 0])
-    angles = seen[:, 0][_by_x_and_y(seen)]
+    angles = np.arctan2(vertices[:, 1], vertices[:, 0])
+    angles = angles[_in_order(angles, angles)]
     widest, gap = 0, -1.0  # what is not seen is one gap; from the inside none is as wide as half a turn
     for k in range(len(angles)):
         following = angles[k + 1] if k + 1 < len(angles) else angles[0] + 2 * np.pi

@@ -11,14 +11,29 @@ from filter.geometry.convex import cross
 def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> tuple[Mask, float]:
     """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
 
-    Greedy: the edge whose removal adds the least area goes first; edges go as long as there are more removable ones than
-    the budget, or all that went add no more than the allowance [m2], none if that is negative. Edges that are not removable
-    stay, and count nothing. Normals are counter-clockwise, offsets best from a point inside, for the rounding [m].
-
-    Where there are no offsets, vertices take the place of the normals, some of which may coincide: what goes is the vertex
-    whose removal cuts off the least area, and three stay.
+    Edges go as long as there are more removable ones than the budget, or all that went add no more than the allowance [m2],
+    none if that is negative. Those that are not removable stay, and count nothing. Normals are counter-clockwise, offsets best
+    from a point inside, for the rounding [m].
     """
-    count, fewest = len(normals), 0 if len(offsets) else 3
+    return _worth_keeping(True, normals, offsets, removable, budget, 0, allowance)
+
+
+@compiled
+def vertices_worth_keeping(vertices: Array, allowance: float) -> Mask:
+    """Return which of (e, 2) counter-clockwise vertices, of which some may coincide, to keep so that little area is cut off.
+
+    They go as long as all that went cut off no more than the allowance [m2]; three stay.
+    """
+    count = len(vertices)
+    return _worth_keeping(False, vertices, np.empty(0), np.ones(count, dtype=np.bool_), count, 3, allowance)[0]
+
+
+@compiled
+def _worth_keeping(
+    are_edges: bool, rows: Array, offsets: Array, removable: Mask, budget: int, fewest: int, allowance: float
+) -> tuple[Mask, float]:
+    """Return which edges, or vertices, to keep, and how much area the others change; those go first that change little."""
+    count = len(rows)
     keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
     left, spent = removable.sum(), 0.0
     if left <= fewest:
@@ -27,7 +42,7 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
     change = np.empty(count)
     for k in range(count):
         if removable[k]:
-            change[k] = _change(normals, offsets, before[k], k, after[k])
+            change[k] = _change(are_edges, rows, offsets, before[k], k, after[k])
     while left > fewest:
         least = -1
         for k in range(count):
@@ -42,21 +57,14 @@ def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget:
         after[last], before[following] = following, last
         for k in (last, following):
             if removable[k]:
-                change[k] = _change(normals, offsets, before[k], k, after[k])
+                change[k] = _change(are_edges, rows, offsets, before[k], k, after[k])
     return keep, spent
 
 
 @compiled
-def vertices_worth_keeping(vertices: Array, allowance: float) -> Mask:
-    """Return which of (e, 2) counter-clockwise vertices to keep so that no more area is cut off than allowed [m2]."""
-    count = len(vertices)
-    return edges_worth_keeping(vertices, np.empty(0), np.ones(count, dtype=np.bool_), count, allowance)[0]
-
-
-@compiled
-def _change(rows: Array, offsets: Array, before: int, k: int, after: int) -> float:
-    """Return the area that removing an edge adds, or, if there are no offsets, that removing a vertex cuts off [m2]."""
-    if len(offsets):
+def _change(are_edges: bool, rows: Array, offsets: Array, before: int, k: int, after: int) -> float:
+    """Return the area that removing an edge adds, or that removing a vertex cuts off [m2]."""
+    if are_edges:
         return _added_area(rows, offsets, before, k, after)
     return abs(cross(rows[before], rows[k], rows[after])) / 2
 

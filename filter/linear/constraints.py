@@ -49,11 +49,6 @@ class Constraints(Table):
         sign = np.where(swapped, -1.0, 1.0)[:, None]
         return cls(np.where(swapped, j, i), np.where(swapped, i, j), sign * normal, offset, source)
 
-    @classmethod
-    def on_robot(cls, robot: int, normal: Array, offset: Array, source: Integers) -> Constraints:
-        """Return absolute rows on one robot."""
-        return cls(np.full(len(offset), WORLD), np.full(len(offset), robot), normal, offset, source)
-
     @property
     def rows(self) -> Columns:
         """The rows without their sources."""

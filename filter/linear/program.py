@@ -3,7 +3,7 @@
 No solver is trusted: its answers are candidates. A bound counts only through `certified_bounds`, a point through `holds`.
 """
 
-from __future__ import annotations
+from __future__ import annotations  # so that scipy loads its matrices when one is made
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -17,18 +17,25 @@ LOOSE = 1e-3
 
 
 @dataclass(frozen=True)
-class Failure:
-    """Answers that were no good.
+class Fallback:
+    """A walk was lost, or a solver's answers were no good, and others were asked for.
 
     Attributes:
-        which: Of which projection, or None for the deepest point.
-        failed: Whose, in the order they were asked.
-        used: Whose answers were good, or None.
+        robot: Whose region was searched, or None for the deepest point of the whole team.
+        failed: The "walk" and the solvers whose answers were no good, in the order they were asked.
+        used: The solver whose answers were good, or None: what is proved anyway, and what was propagated, has to do.
+        seen_from: The other robot of a pair, if it was the region of one seen from the other.
     """
 
-    which: int | None
+    robot: int | None
     failed: tuple[str, ...]
     used: str | None
+    seen_from: int | None = None
+
+    def __str__(self) -> str:
+        what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
+        what += "" if self.seen_from is None else f" seen from robot {self.seen_from}"
+        return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,13 +45,13 @@ class Found:
     Attributes:
         point: (v,) proved to be inside, or else at least some point [m].
         contradiction: (r,) multipliers that prove that the program is empty, or None.
-        failures: Where solvers failed.
+        failures: Where solvers failed; whose region it was is the place of the projection.
         complete: The projections that time did not run out on, in the order they were asked for; none of an empty program.
     """
 
     point: Array
     contradiction: Array | None = None
-    failures: tuple[Failure, ...] = ()
+    failures: tuple[Fallback, ...] = ()
     complete: tuple[Projection, ...] = ()
 
 
@@ -107,5 +114,5 @@ def interior(program: LinearProgram, solvers: Sequence[Solver]) -> Found:
     return Found(point, None, _told(None, failed, None))
 
 
-def _told(which: int | None, failed: Sequence[str], used: str | None) -> tuple[Failure, ...]:
-    return (Failure(which, tuple(failed), used),) if failed else ()
+def _told(which: int | None, failed: Sequence[str], used: str | None) -> tuple[Fallback, ...]:
+    return (Fallback(which, tuple(failed), used),) if failed else ()

@@ -13,7 +13,19 @@ from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.geometry.convex import SMALLEST, area_of
 from filter.geometry.simplify import edges_worth_keeping
-from filter.projection.simplex import FOUND, LOST, PARALLEL, Basis, Rows, combination, exchange, mend, reprice, slack_rates
+from filter.projection.simplex import (
+    FOUND,
+    LOST,
+    MENDED_AFTER,
+    PARALLEL,
+    Basis,
+    Rows,
+    combination,
+    exchange,
+    mend,
+    reprice,
+    slack_rates,
+)
 
 # A shadow with more edges than this is left to the search, and so is a walk of so many exchanges for each variable.
 LONGEST, LONGEST_EACH = 400, 50
@@ -84,7 +96,8 @@ def turn(rows: Rows, basis: Basis, first: Array, second: Array, angle: float, tr
         exchange(basis, k, max(0.0, basis.slack[entering]) / rates[entering], rates, entering, weights)
         reprice(across, k, weights)
         reprice(up, k, weights)
-        if mend(rows, basis, count + 1):
+        if (count + 1) % MENDED_AFTER == 0:
+            mend(rows, basis)
             price(first, basis, across)
             price(second, basis, up)
         _keep(trace, basis, across, up, x, y)
@@ -186,9 +199,4 @@ def simplified(normals: Array, vertices: Array, unit: float, goal: tuple[float, 
         why = BY_SEARCHES
     elif spent <= NEGLIGIBLE_SHARE_OF_AREA * by_ratio:
         why = EXACTLY
-    kept = 0
-    for at in range(some):
-        if keep[at]:
-            distinct[kept] = distinct[at]
-            kept += 1
-    return distinct[:kept], why
+    return distinct[:some][keep], why

@@ -35,21 +35,11 @@ class Task(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """Room for what is found in k windows, end to end; the columns of `Outlines`.
+    """Room for what is found in k windows, end to end: the columns of `Outlines`, with room to spare in each.
 
-    Attributes:
-        normals: (e, 2) of the outer polygons, which the rows on the robots or the pairs have cut.
-        offsets: (e,) certified [m].
-        vertices: (e, 2) [m].
-        margin: (k,) of each polygon [m].
-        first: (k + 1,) where the edges of each begin; one without edges was lost.
-        row: (m,) the rows that prove the edges, edge after edge.
-        weight: (m,) their multipliers.
-        row_first: (e + 1,) where those of each edge begin.
-        corners: (p, 2) of inner polygons [m].
-        corner_first: (k + 1,) where those of each begin; there are none where nothing is known from inside.
-        searches: (k,) how many edges of the shadow were kept.
-        why: (k,) what decided that, a place in `REASONS`.
+    The edges of each window begin at `first`, (k + 1,), and are none where its walk was lost; the rows of each at `row_first`,
+    (e + 1,); the corners of each inner polygon at `corner_first`, (k + 1,), and are none where nothing is known from inside.
+    `searches`, (k,), is how many edges of a shadow were kept, and `why`, (k,), what decided that, a place in `REASONS`.
     """
 
     normals: Array

@@ -1,7 +1,7 @@
 """The simplex method on small programs, compiled: a basis that walks from vertex to vertex of {z : G z <= h, |z| <= 1}.
 
 A vertex is where as many rows as there are variables hold with equality; these rows are its basis. Everything here is a
-candidate: what the walk finds is judged by `LinearProgram`, so rounding can cost tightness and nothing else.
+candidate: what the walk finds is for `certified` to judge, so rounding can cost tightness and nothing else.
 """
 
 from typing import Any, NamedTuple
@@ -157,13 +157,8 @@ def reprice(prices: Array, k: int, weights: Array) -> None:
 
 
 @compiled
-def mend(rows: Rows, basis: Basis, count: int) -> bool:
-    """Take the rounding of many exchanges out of the inverse, by a step of Newton's method (Schulz, 1933), and of the point.
-
-    Return whether it is time for that, after so many exchanges.
-    """
-    if count % MENDED_AFTER:
-        return False
+def mend(rows: Rows, basis: Basis) -> None:
+    """Take the rounding of many exchanges out of the inverse, by a step of Newton's method (Schulz, 1933), and of the point."""
     variables = len(basis.basic)
     product = np.empty((variables, variables))
     for k in range(variables):
@@ -178,7 +173,6 @@ def mend(rows: Rows, basis: Basis, count: int) -> bool:
                     error[m] += basis.inverse[j, k] * product[k, m]
         basis.inverse[j] -= error
     locate(rows, basis)
-    return True
 
 
 @compiled
@@ -205,5 +199,6 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
             prices[m] = max(0.0, prices[m])
         slack_rates(rows, basis, k, rates)
         exchange(basis, k, -basis.slack[entering] / weights[k], rates, entering, weights)
-        mend(rows, basis, count + 1)
+        if (count + 1) % MENDED_AFTER == 0:
+            mend(rows, basis)
     return LOST, -1

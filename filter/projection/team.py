@@ -11,7 +11,7 @@ from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import Solver
 from filter.projection.claims import Hulls, Outlines, Weights, in_order
-from filter.projection.fallback import Failure, broken_row, interior, project_all
+from filter.projection.fallback import Fallback, broken_row, interior, project_all
 from filter.projection.proved import Projection, position
 from filter.projection.sheet import Sheet, Task, blank
 from filter.projection.stop import REASONS, IsOver, Stop, never
@@ -37,7 +37,7 @@ class Outlined:
     """
 
     outlines: Outlines = NO_OUTLINES
-    failures: tuple[Failure, ...] = ()
+    failures: tuple[Fallback, ...] = ()
     contradiction: Array | None = None
 
 
@@ -71,7 +71,7 @@ class Projector:
         if broken is not None:
             return Outlined(contradiction=broken)
         who, left = links(polytope.constraints, robots), np.arange(robots) if order is None else order
-        pieces, failures, late = list[tuple[Integers, Outlines]](), list[Failure](), list[int]()
+        pieces, failures, late = list[tuple[Integers, Outlines]](), list[Fallback](), list[int]()
         if self.exact:
             done, walks = self._walked(polytope, np.full(robots, WORLD), left, who, is_over)
             if walks.contradiction is not None:
@@ -96,8 +96,8 @@ class Projector:
         done, walks = self._walked(polytope, i, j, links(polytope.constraints, len(polytope.lower)), is_over)
         found = walks.outlines.outer.counts > 0
         left = np.delete(np.arange(len(j)), done[found])
-        glance = Outlines.at_a_glance(polytope.of(i[left], j[left]), len(polytope.constraints), "time")
-        failures = tuple(Failure(int(k), (WALK,), None) for k in done[~found])
+        glance = Outlines.at_a_glance(polytope.of(i[left], j[left]), len(polytope.constraints))
+        failures = tuple(Fallback(int(j[k]), (WALK,), None, int(i[k])) for k in done[~found])
         return Outlined(in_order([(done, walks.outlines), (left, glance)]), failures)
 
     def _walked(self, polytope: Polytope, i: Integers, j: Integers, who: Links, is_over: IsOver) -> tuple[Integers, Outlined]:
@@ -151,7 +151,7 @@ class Projector:
             return Outlined(contradiction=multipliers)
         if not found.complete:
             return Outlined()
-        failures = dict.fromkeys(replace(each, which=robot) for each in found.failures)
+        failures = dict.fromkeys(replace(each, robot=robot) for each in found.failures)
         return Outlined(_outline(found.complete[0], own, number), tuple(failures))
 
     def _members(self, who: Links, robot: int) -> Integers:
@@ -159,7 +159,7 @@ class Projector:
         place = np.full(len(who.own_first) - 1, -1)
         return np.sort(members_of(WORLD, robot, self.window.hops, self.window.robots, who, place))
 
-    def _with_the_inside(self, polytope: Polytope, who: Links, outlines: Outlines, failures: tuple[Failure, ...]) -> Outlined:
+    def _with_the_inside(self, polytope: Polytope, who: Links, outlines: Outlines, failures: tuple[Fallback, ...]) -> Outlined:
         """Return what was found, with inner polygons only if the whole team is known to have a point inside.
 
         A part of the team that has to do with nobody else can be empty on its own, by less than a walk can see: then no

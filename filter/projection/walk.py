@@ -10,6 +10,7 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.geometry.convex import EPSILON, SMALLEST, clip_box, line_behind
+from filter.geometry.many import Groups
 from filter.linear.certify import WORTHLESS, Boxes, Members, certified
 from filter.linear.constraints import WORLD
 from filter.projection.inside import inside_of
@@ -61,45 +62,53 @@ class Edges(NamedTuple):
 
 
 @compiled
-def project_some(
-    pairs: tuple[Integers, Integers], own: tuple[Integers, Integers], around: Boxes, task: Task, sheet: Sheet
-) -> int:
+def project_some(pairs: tuple[Integers, Integers], own: Groups, around: Boxes, task: Task, sheet: Sheet) -> int:
     """Project the windows of k pairs i, j, or of robots j where i is WORLD, onto a sheet.
 
-    The own rows of each begin and end at `own` (k,); its box has the corners `around` (k, 2).
+    Each has a group of rows of its own, and a box around it.
 
     Returns:
         0; or, where a window is proved to be empty, how many rows prove that: these are the first ones of the sheet.
     """
     place = np.full(len(task.box[0]), -1)
     for k in range(len(pairs[0])):
-        i, j = pairs[0][k], pairs[1][k]
-        members = members_of(i, j, task.hops, task.most, task.who, place)
-        numbers = rows_in(members, place, task.who)
-        program = program_of(members, place, numbers, task.team, task.box)
-        plane = plane_of(program, i != WORLD)
-        how, trace, basis, contradicted = walked(program, plane)
-        seen, where = vertices_of(trace, plane), (place, program.centre, program.radius)
-        sheet.first[k + 1], sheet.corner_first[k + 1] = sheet.first[k], sheet.corner_first[k]
-        sheet.margin[k], sheet.searches[k], sheet.why[k] = 0.0, 0, 0
-        if how == EMPTY and i == WORLD:
-            row, weight = contradiction(program, basis, contradicted)
-            if certified(i, j, np.zeros(2), weight, row, where, task.team) < 0:
-                for m in range(len(row)):
-                    sheet.row[m], sheet.weight[m] = row[m], weight[m]
-                return len(row)
-        if how == FOUND:
-            how, edges = edges_of(i, j, program, plane, trace, seen, where, task)
-            if how == FOUND:
-                write_outline(k, edges, (own[0][k], own[1][k]), (around[0][k], around[1][k]), task, sheet)
-                if task.inside:
-                    ended, whose = (trace, basis, plane.right), (members, place, task.box)
-                    corners = inside_of(program, ended, seen, numbers, whose, task.team)
-                    sheet.corner_first[k + 1] += len(corners)
-                    sheet.corners[sheet.corner_first[k] : sheet.corner_first[k + 1]] = corners
-        for member in members:
-            place[member] = -1
+        rows, box = (own[0][k], own[1][k]), (around[0][k], around[1][k])
+        proof = project_window(k, pairs[0][k], pairs[1][k], rows, box, task, place, sheet)
+        if proof:
+            return proof
     return 0
+
+
+@compiled
+def project_window(
+    k: int, i: int, j: int, own: tuple[int, int], around: Boxes, task: Task, place: Integers, sheet: Sheet
+) -> int:
+    """Project one window onto the k-th place of a sheet, of which all before is written; `place` (n,) is scratch, all -1."""
+    members = members_of(i, j, task.hops, task.most, task.who, place)
+    numbers = rows_in(members, place, task.who)
+    program = program_of(members, place, numbers, task.team, task.box)
+    plane = plane_of(program, i != WORLD)
+    how, trace, basis, contradicted = walked(program, plane)
+    seen, where, proof = vertices_of(trace, plane), (place, program.centre, program.radius), 0
+    sheet.first[k + 1], sheet.corner_first[k + 1] = sheet.first[k], sheet.corner_first[k]
+    sheet.margin[k], sheet.searches[k], sheet.why[k] = 0.0, 0, 0
+    if how == EMPTY and i == WORLD:
+        row, weight = contradiction(program, basis, contradicted)
+        if certified(i, j, np.zeros(2), weight, row, where, task.team) < 0:
+            proof = len(row)
+            for m in range(proof):
+                sheet.row[m], sheet.weight[m] = row[m], weight[m]
+    if how == FOUND:
+        how, edges = edges_of(i, j, program, plane, trace, seen, where, task)
+        if how == FOUND:
+            write_outline(k, edges, own, around, task, sheet)
+            if task.inside:
+                corners = inside_of(program, (trace, basis, plane.right), seen, numbers, (members, place, task.box), task.team)
+                sheet.corner_first[k + 1] += len(corners)
+                sheet.corners[sheet.corner_first[k] : sheet.corner_first[k + 1]] = corners
+    for member in members:
+        place[member] = -1
+    return proof
 
 
 @compiled

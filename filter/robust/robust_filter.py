@@ -8,7 +8,7 @@ from itertools import zip_longest
 
 import numpy as np
 
-from filter.arrays import Array, instance, number, settle, whole_number
+from filter.arrays import Array, Frozen, checked, instance, number, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -27,8 +27,8 @@ MOST_CELLS = 10_000  # slices of 0.036 degrees: with a vote or two open, some 10
 
 
 @dataclass(frozen=True, eq=False)
-class RobustFilter:
-    """Keeps a belief about a team that contains the truth although some measurements are wrong.
+class RobustFilter(Frozen):
+    """Keeps a belief about a team that contains the truth although some measurements are wrong: a `Filter`.
 
     The guarantee: every robot is in its region if odometry keeps its bounds and, of the votes on it (see
     `filter.robust.votes`) that no event rejects, at most `rules.tolerated` in any window is wrong. Raises InvalidInput if an
@@ -42,25 +42,19 @@ class RobustFilter:
         cells: How many slices a full circle of headings has, from 8 to 10 000.
     """
 
-    team: Team
-    rules: Rules = field(default_factory=Rules)
-    suspicion: Suspicion = field(default_factory=Suspicion)
-    alignment: Alignment = field(default_factory=Alignment)
-    cells: int = 72
+    team: Team = field(metadata=checked(instance, "team", Team))
+    rules: Rules = field(default_factory=Rules, metadata=checked(instance, "rules", Rules))
+    suspicion: Suspicion = field(default_factory=Suspicion, metadata=checked(instance, "suspicion", Suspicion))
+    alignment: Alignment = field(default_factory=Alignment, metadata=checked(instance, "alignment", Alignment))
+    cells: int = field(default=72, metadata=checked(whole_number, "cells of the circle", 8, MOST_CELLS))
 
     def __post_init__(self) -> None:
-        for name, kind in (("team", Team), ("rules", Rules), ("suspicion", Suspicion), ("alignment", Alignment)):
-            instance(name, getattr(self, name), kind)
-        settle(self, cells=whole_number("cells of the circle", self.cells, 8, MOST_CELLS))
+        super().__post_init__()
         _near("landmarks", self.team.landmarks)
         _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
 
     def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
-        """Return the belief before any measurement, at a time [s].
-
-        Known are (n) polygons around the robots and arcs around their headings, or None if nothing is known of these. Raises
-        InvalidInput if they are none, not as many as the robots, empty, or beyond 1e6 m.
-        """
+        """Return the belief before any measurement; `InvalidInput`, too, if a polygon reaches beyond 1e6 m."""
         begin, robots, bodies = number("time [s]", time), self.team.robots, self.team.robots + len(self.team.landmarks)
         polygons, known = self.team.initial(positions, headings)
         for polygon in polygons:
@@ -74,15 +68,7 @@ class RobustFilter:
         return RobustBelief(begin, sets, *nothing, -never, never, never)
 
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
-        """Return the belief at a later time, after the robots have moved.
-
-        A robot that the odometry does not name can have moved within the team's limits. What would be outside the arena is left
-        out; if that shows that a bound was broken before, there is an event.
-
-        Raises:
-            OutOfOrder: `time` is earlier than the belief's, or the odometry starts at another time.
-            InvalidInput: The odometry ends at another time, or names an unknown robot.
-        """
+        """Return the belief at a later time [s], without what is outside the arena; events tell of bounds broken before."""
         self._check(belief)
         time = self.team.check_motion(belief.time, time, odometry)
         distance, turn, aside = _moves(odometry, self.team, time - belief.time)
@@ -101,12 +87,7 @@ class RobustFilter:
             raise InvalidInput(f"a belief about a team of {bodies} robots and landmarks", f"one of {known}")
 
     def update(self, belief: RobustBelief, measurements: Sequence[Measurement] = ()) -> RobustBelief:
-        """Return the belief after merging measurements taken at its time, in any order.
-
-        Raises:
-            OutOfOrder: A record is of another time than the belief.
-            InvalidInput: A record names an unknown robot or landmark.
-        """
+        """Return the belief after merging measurements taken at its time, in any order."""
         self._check(belief)
         sightings = sightings_in(self.team.checked(belief.time, measurements), self.team.robots)
         merging = Merging(belief, self.team, self.rules, self.cells, self.arena)

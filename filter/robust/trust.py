@@ -7,15 +7,15 @@ share of contradicted sightings is put aside; what it says is then judged but no
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask, positive, settle
+from filter.arrays import Array, Frozen, Mask, checked, positive
 
 
 @dataclass(frozen=True)
-class Suspicion:
+class Suspicion(Frozen):
     """When a sensor is put aside. InvalidInput if a value is out of its range.
 
     Attributes:
@@ -26,15 +26,11 @@ class Suspicion:
         mercy: Below so many, and below half the share, it is trusted again.
     """
 
-    memory: float = 30.0
-    repeat: float = 1.5
-    strikes: float = 3.0
-    share: float = 0.4
-    mercy: float = 1.0
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            settle(self, **{name: positive(name, value, np.nextafter(1, 0) if name == "share" else np.inf)})
+    memory: float = field(default=30.0, metadata=checked(positive, "memory"))
+    repeat: float = field(default=1.5, metadata=checked(positive, "repeat"))
+    strikes: float = field(default=3.0, metadata=checked(positive, "strikes"))
+    share: float = field(default=0.4, metadata=checked(positive, "share", np.nextafter(1, 0)))
+    mercy: float = field(default=1.0, metadata=checked(positive, "mercy"))
 
 
 @dataclass(frozen=True, eq=False)

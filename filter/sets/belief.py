@@ -13,6 +13,7 @@ from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.projection.claims import Outlines, Weights
+from filter.projection.fallback import Fallback
 from filter.sets.regions import Regions
 
 
@@ -30,28 +31,6 @@ class Rejected:
 
     def __str__(self) -> str:
         return f"rejected {self.source}; in conflict: {'; '.join(map(str, self.conflict))}"
-
-
-@dataclass(frozen=True)
-class Fallback:
-    """A walk was lost, or a solver's answers were no good, and others were asked for.
-
-    Attributes:
-        robot: Whose region was searched, or None for the deepest point of the whole team.
-        failed: The "walk" and the solvers whose answers were no good, in the order they were asked.
-        used: The solver whose answers were good, or None: what is proved anyway, and what was propagated, has to do.
-        seen_from: The other robot of a pair, if it was the region of one seen from the other.
-    """
-
-    robot: int | None
-    failed: tuple[str, ...]
-    used: str | None
-    seen_from: int | None = None
-
-    def __str__(self) -> str:
-        what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
-        what += "" if self.seen_from is None else f" seen from robot {self.seen_from}"
-        return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
 
 
 Event = Rejected | Fallback

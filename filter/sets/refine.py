@@ -17,9 +17,9 @@ from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
 from filter.projection.claims import Outlines, Weights
 from filter.projection.stop import IsOver, never
-from filter.projection.team import Outlined, Projector
+from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets.belief import Belief, Event, Fallback, Proof
+from filter.sets.belief import Belief, Proof
 from filter.sets.regions import Regions
 
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.
@@ -56,7 +56,7 @@ def refined(belief: Belief, projector: Projector, *, is_over: IsOver = never) ->
         polytope=Polytope(Constraints.concatenate([own, pairs]), lower, upper, origin),
         sources=table,
         found=Regions.of(polytope, outlines),
-        events=_events(found, robots),
+        events=found.failures,
         proofs=(Proof.of(polytope, sources, outlines, whose), boxes),
     )
 
@@ -80,7 +80,7 @@ def with_pairs(belief: Belief, most: int, projector: Projector, *, is_over: IsOv
         belief,
         polytope=polytope.with_constraints(Constraints.concatenate([others, edges])),
         sources=table,
-        events=(*belief.events, *_events(mutual, j, i)),
+        events=(*belief.events, *mutual.failures),
         proofs=(*belief.proofs, Proof.of(polytope, sources, mutual.outlines, pairs)),
     )
 
@@ -139,15 +139,6 @@ def proved_boxes(
     weights = Weights(used[claim, place], prices[claim, place], np.searchsorted(claim, np.arange(asked + 1)))
     whole = Polytope(rows, polytope.lower, polytope.upper)
     return lower, upper, Proof(whole, sources, np.full(asked, WORLD), whose, normals, bounds, weights)
-
-
-def _events(found: Outlined, robots: Integers, seen_from: Integers | None = None) -> tuple[Event, ...]:
-    """Return the failures of projections of some robots, or of pairs, as events."""
-
-    def of(whose: Integers | None, which: int | None) -> int | None:
-        return None if whose is None or which is None else int(whose[which])
-
-    return tuple(Fallback(of(robots, each.which), each.failed, each.used, of(seen_from, each.which)) for each in found.failures)
 
 
 def _inconsistent(belief: Belief, multipliers: Array) -> Inconsistent:

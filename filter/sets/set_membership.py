@@ -19,8 +19,9 @@ from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
+from filter.sensing.headings import narrowed_headings
 from filter.sensing.motion import displacements, turned_headings
-from filter.sensing.rows import TANGENT_SPACING, merged, narrowed_headings, numbered_of
+from filter.sensing.rows import TANGENT_SPACING, merged, numbered_of
 from filter.sets.belief import Belief
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs

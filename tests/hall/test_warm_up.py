@@ -55,7 +55,7 @@ print(sorted(f"{each.py_func.__module__}.{each.__name__}" for each in MADE if se
 LIGHT = """
 import sys
 import filter as f
-SOLVERS = {"piqp", "qpsolvers", "highspy", "scipy.stats", "scipy.optimize", "scipy.sparse.linalg", "mujoco", "rerun", "rich"}
+SOLVERS = {"piqp", "qpsolvers", "highspy", "scipy.stats", "scipy.optimize", "scipy.sparse", "mujoco", "rerun", "rich"}
 f.RobustFilter(f.Team(1))
 f.SetMembershipFilter(f.Team(1))
 print(sorted(SOLVERS & sys.modules.keys()))

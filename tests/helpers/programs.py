@@ -19,7 +19,8 @@ from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
-from filter.sensing.rows import merged, narrowed_headings, numbered_of
+from filter.sensing.headings import narrowed_headings
+from filter.sensing.rows import merged, numbered_of
 from filter.sets.belief import Proof
 from filter.sets.set_membership import SetMembershipFilter
 
@@ -55,11 +56,16 @@ def merged_team(seed, robots=5, errors="uniform", steps=2):
     return known.with_constraints(prune(known, estimator.rows_per_robot, estimator.rows_per_pair))
 
 
-def single(rows, b, lower, upper):
+def on_robot(robot, normal, offset, source):
+    """Return rows on one robot."""
+    return Constraints(np.full(len(offset), WORLD), np.full(len(offset), robot), normal, offset, source)
+
+
+def single(normals, b, lower, upper):
     """Return the polytope of one robot with rows (r, 2)."""
-    normal = np.asarray(rows, dtype=float).reshape(-1, 2)
-    on_robot = Constraints.on_robot(0, normal, np.asarray(b, dtype=float), np.zeros(len(normal), dtype=int))
-    return Polytope(on_robot, np.array([lower], dtype=float), np.array([upper], dtype=float))
+    normal = np.asarray(normals, dtype=float).reshape(-1, 2)
+    rows = on_robot(0, normal, np.asarray(b, dtype=float), np.zeros(len(normal), dtype=int))
+    return Polytope(rows, np.array([lower], dtype=float), np.array([upper], dtype=float))
 
 
 def round_set(middle=(0.0, 0.0), count=MANY):
@@ -76,7 +82,7 @@ def with_strangers(polytope, places):
     i = np.where(rows.i == WORLD, WORLD, others[rows.i])
     parts, polygon = [Constraints(i, others[rows.j], rows.normal, rows.offset, rows.source)], round_set()
     for robot in places:
-        parts.append(Constraints.on_robot(robot, polygon.normals, polygon.offsets, np.zeros(len(polygon.offsets), dtype=int)))
+        parts.append(on_robot(robot, polygon.normals, polygon.offsets, np.zeros(len(polygon.offsets), dtype=int)))
     return Polytope(Constraints.concatenate(parts), lower, upper)
 
 

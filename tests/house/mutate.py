@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-MODULES = ("filter/geometry/sector.py", "filter/sensing/rows.py", "filter/sensing/motion.py")
+MODULES = ("filter/geometry/sector.py", "filter/sensing/rows.py", "filter/sensing/headings.py", "filter/sensing/motion.py")
 # The nearest tests first: they catch most, and quickly.
 TESTS = (
     ("tests/geometry/test_sector.py", "tests/sensing"),

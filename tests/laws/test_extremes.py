@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.worlds import World, escapes, offset_through, random_program, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,7 +12,6 @@ from scipy import sparse
 
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram, twice_precise_dot
 from filter.linear.solvers import deepest_point, workspace
@@ -116,7 +116,7 @@ def test_a_thousand_redundant_rows_change_nothing_but_time(seed, origin):
     directions = unit(rng.uniform(-np.pi, np.pi, 1000))
     twice = np.concatenate([square.normals, square.normals, directions, directions])
     offsets = np.concatenate([square.offsets, square.offsets, np.tile(square.support(directions) + 1e-3, 2)])
-    rows = Constraints.on_robot(0, twice, offsets, np.zeros(len(offsets), dtype=int))
+    rows = on_robot(0, twice, offsets, np.zeros(len(offsets), dtype=int))
     program = Polytope(rows, np.full((1, 2), origin - 5), np.full((1, 2), origin + 5)).program()
     for solver in ("piqp", "highs"):
         found = workspace(program, solver).maximize(np.array([1.0, 0.0]))

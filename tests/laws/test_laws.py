@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.worlds import World, escapes, feasible, of_robot, unit
 
 from filter.errors import Inconsistent
@@ -264,7 +265,7 @@ def test_turning_the_world_turns_the_exact_set(angle):
     rows = belief.constraints
     lower, upper = np.full((3, 2), -100.0), np.full((3, 2), 100.0)
     sides = [
-        Constraints.on_robot(k, region.outer.normals, region.outer.offsets, np.zeros(len(region.outer.offsets), dtype=int))
+        on_robot(k, region.outer.normals, region.outer.offsets, np.zeros(len(region.outer.offsets), dtype=int))
         for k, region in enumerate(belief.regions)
     ]
     everything = Constraints.concatenate([rows, *sides])

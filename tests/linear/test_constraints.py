@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.worlds import exact_slack, unit
 from hypothesis import given
 from hypothesis import strategies as st
@@ -88,7 +89,7 @@ def test_rows_on_pairs_in_either_order_say_the_same():
 def test_the_matrix_gives_what_each_row_says():
     rng = np.random.default_rng(1)
     pairs = some_rows(rng)
-    alone = Constraints.on_robot(4, unit(np.array([1.0, -2.0])), np.zeros(2), np.zeros(2, dtype=int))
+    alone = on_robot(4, unit(np.array([1.0, -2.0])), np.zeros(2), np.zeros(2, dtype=int))
     rows = Constraints.concatenate([pairs, alone])
     positions = rng.normal(size=(6, 2))
     other = np.where((rows.i == WORLD)[:, None], 0.0, positions[rows.i])
@@ -112,7 +113,7 @@ def test_rows_are_selected_by_index_and_by_mask():
 
 @given(st.floats(-1e9, 1e9), st.floats(-1e9, 1e9))
 def test_a_shift_never_ends_below_the_exact_sum(offset, by):
-    row = Constraints.on_robot(0, np.array([[1.0, 0.0]]), np.array([offset]), np.array([0])).shifted(np.array([by]))
+    row = on_robot(0, np.array([[1.0, 0.0]]), np.array([offset]), np.array([0])).shifted(np.array([by]))
     assert exact_slack([1.0, 1.0], row.offset[0], [offset, by]) >= 0
     assert row.offset[0] == pytest.approx(offset + by, abs=1e-14 * (abs(offset) + abs(by)))
 
@@ -143,7 +144,7 @@ def test_the_rows_of_a_pair_are_those_and_no_others(seed):
     """Also of robots that have none, beyond the last robot that has some."""
     rng = np.random.default_rng(seed)
     rows = some_rows(rng, robots=int(rng.integers(2, 6)), count=int(rng.integers(0, 9)))
-    rows = Constraints.concatenate([rows, Constraints.on_robot(1, unit(np.array([0.5])), np.zeros(1), np.array([99]))])
+    rows = Constraints.concatenate([rows, on_robot(1, unit(np.array([0.5])), np.zeros(1), np.array([99]))])
     for i in range(WORLD, 9):
         for j in range(max(i, WORLD) + 1, 9):
             assert sorted(rows.rows_of(i, j)) == np.flatnonzero((rows.i == i) & (rows.j == j)).tolist()

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.worlds import claims_of, exact_claim, unit
 from hypothesis import given
 from hypothesis import strategies as st
@@ -24,7 +25,7 @@ sizes = st.sampled_from([1e-6, 1.0, 1e3])
 def polytope_of(polygon, room=1.0):
     """Return the polytope of one robot that is in a polygon."""
     lower, upper = polygon.bounds
-    rows = Constraints.on_robot(0, polygon.normals, polygon.offsets, np.zeros(len(polygon.offsets), dtype=int))
+    rows = on_robot(0, polygon.normals, polygon.offsets, np.zeros(len(polygon.offsets), dtype=int))
     return Polytope(rows, lower[None] - room, upper[None] + room)
 
 
@@ -80,9 +81,7 @@ def test_the_sides_of_a_box_are_proved_and_touch_the_polygon(seed, origin, size)
     upper = lower + size
     normals = unit(rng.choice([0.0, np.pi / 2, 1.0, -2.0, 3.0, rng.uniform(-np.pi, np.pi)], rng.integers(1, 5)))
     middle = (lower + upper)[0] / 2
-    rows = Constraints.on_robot(
-        0, normals, normals @ middle + size * rng.uniform(0.1, 0.4, len(normals)), np.arange(len(normals))
-    )
+    rows = on_robot(0, normals, normals @ middle + size * rng.uniform(0.1, 0.4, len(normals)), np.arange(len(normals)))
     claims, polygons = implied(Polytope(rows, lower, upper), SIDES)
     check(claims)
     assert claims.offset == pytest.approx(reaches(claims, polygons), abs=1e-9 * size + 1e-13 * origin)
@@ -123,7 +122,7 @@ def test_of_a_polygon_as_small_as_its_rounding_nothing_is_cut():
     offsets = -np.array(
         [4.378770442643793e-17, 1.40231231064620e-16, 1.15297521810965e-16, 1.0028962617185e-16, 1.931938105630e-16]
     )
-    rows = Constraints.on_robot(0, normals, offsets, np.zeros(5, dtype=int))
+    rows = on_robot(0, normals, offsets, np.zeros(5, dtype=int))
     claims, polygons = implied(Polytope(rows, np.full((1, 2), -1.0), np.full((1, 2), 1.0)), ALL_AROUND)
     a = polygons[0].normals
     b = np.roll(a, -1, axis=0)
@@ -134,7 +133,7 @@ def test_of_a_polygon_as_small_as_its_rounding_nothing_is_cut():
 
 
 def test_rows_that_exclude_one_another_leave_what_the_box_says():
-    apart = Constraints.on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-0.5, -0.5]), np.arange(2))
+    apart = on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-0.5, -0.5]), np.arange(2))
     polytope = Polytope(apart, np.full((1, 2), -1.0), np.full((1, 2), 2.0))
     assert polytope.of(NOBODY, FIRST).empty[0]
     claims, _ = implied(polytope, ALL_AROUND)

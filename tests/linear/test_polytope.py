@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.programs import random_polytope
+from helpers.programs import on_robot, random_polytope
 from helpers.worlds import NO_ROWS, of_pair, of_robot, unit
 
 from filter.geometry.polygon import SIDES
@@ -23,7 +23,7 @@ def polytope(rng, robots=3, count=18):
         Constraints.between(
             i[~alone], j[~alone], unit(rng.uniform(-3, 3, (~alone).sum())), np.zeros((~alone).sum()), np.flatnonzero(~alone)
         ),
-        *(Constraints.on_robot(k, unit(rng.uniform(-3, 3, 2)), np.zeros(2), np.array([90, 91])) for k in range(robots)),
+        *(on_robot(k, unit(rng.uniform(-3, 3, 2)), np.zeros(2), np.array([90, 91])) for k in range(robots)),
     ]
     rows = Constraints.concatenate(rows)
     A = rows.matrix(robots)
@@ -58,7 +58,7 @@ def test_edges_name_their_rows():
 
 
 def test_rows_that_exclude_one_another_are_proved_to_leave_nothing():
-    rows = Constraints.on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-1.0, -1.0]), np.zeros(2, dtype=int))
+    rows = on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([-1.0, -1.0]), np.zeros(2, dtype=int))
     assert Polytope(rows, np.full((1, 2), -2.0), np.full((1, 2), 2.0)).of_robots(np.array([0])).empty[0]
 
 

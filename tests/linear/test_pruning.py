@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.worlds import NO_ROWS, of_robot, unit
 
 from filter.geometry.polygon import clip
@@ -19,7 +20,7 @@ def polytope(rng, robots=3, each=20):
 
 def worthy(normals, offsets, half, budget):
     """Return the rows to keep of the part of a box that lies in some half-planes."""
-    rows = Constraints.on_robot(0, normals, offsets, np.arange(len(offsets)))
+    rows = on_robot(0, normals, offsets, np.arange(len(offsets)))
     return prune(Polytope(rows, np.full((1, 2), -half), np.full((1, 2), half)), budget, 0).source
 
 
@@ -55,7 +56,7 @@ def test_pruning_never_shrinks_and_hardly_grows(seed):
 def test_rows_that_others_imply_go_first():
     normals = unit(np.linspace(-np.pi, np.pi, 8, endpoint=False))
     rows = Constraints.concatenate(
-        [Constraints.on_robot(0, normals, np.full(8, offset), np.arange(8) + 8 * k) for k, offset in enumerate((3.0, 1.0, 2.0))]
+        [on_robot(0, normals, np.full(8, offset), np.arange(8) + 8 * k) for k, offset in enumerate((3.0, 1.0, 2.0))]
     )
     team = Polytope(rows, np.full((1, 2), -9.0), np.full((1, 2), 9.0))
     assert prune(team, 8, 8).source.tolist() == list(range(8, 16))
@@ -93,7 +94,7 @@ def test_the_box_stays_and_counts_nothing():
 @pytest.mark.parametrize("width", [0.0, 1e-12])
 def test_slivers_points_and_duplicates_are_pruned_too(width):
     normals = np.tile(unit(np.array([0.0, np.pi, 0.3, 0.3 + np.pi])), (6, 1))
-    rows = Constraints.on_robot(0, normals, np.full(24, width), np.arange(24))
+    rows = on_robot(0, normals, np.full(24, width), np.arange(24))
     team = Polytope(rows, np.full((1, 2), -1.0), np.full((1, 2), 1.0))
     left = prune(team, 4, 4)
     assert len(left) <= 4

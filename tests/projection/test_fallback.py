@@ -8,7 +8,7 @@ from scipy import sparse
 
 from filter.linear.program import Candidate, LinearProgram
 from filter.linear.solvers import workspace
-from filter.projection.fallback import Failure, broken_row, interior, project_all
+from filter.projection.fallback import Fallback, broken_row, interior, project_all
 from filter.projection.proved import NOTHING, position
 from filter.projection.stop import Stop
 
@@ -51,7 +51,7 @@ def test_each_projection_has_its_place():
 def test_the_next_is_asked_and_it_is_told():
     silent = Silent()
     told = found(PROGRAM, [silent, honest])
-    assert told.failures == (Failure(None, ("Silent",), "honest"), Failure(0, ("Silent",), "honest"))
+    assert told.failures == (Fallback(None, ("Silent",), "honest"), Fallback(0, ("Silent",), "honest"))
     assert told.complete[0].reason == "exact"
 
 
@@ -66,9 +66,9 @@ def test_an_answer_whose_proof_is_loose_is_no_good():
         return Workspace()
 
     told = found(PROGRAM, [proofless, "piqp"])
-    assert told.failures[-1] == Failure(0, ("proofless",), "piqp")
+    assert told.failures[-1] == Fallback(0, ("proofless",), "piqp")
     alone = found(PROGRAM, [proofless])
-    assert alone.failures[-1] == Failure(0, ("proofless",), None)
+    assert alone.failures[-1] == Fallback(0, ("proofless",), None)
     assert alone.complete[0].outer.area > told.complete[0].outer.area
 
 
@@ -79,7 +79,7 @@ def test_what_was_known_is_left_when_nobody_answers():
         assert told.complete[0].reason == "solver"
         assert told.complete[0].outer.bounds[1][0] == pytest.approx(known[1][0])
         assert told.complete[0].inner is None
-    assert found(PROGRAM, [Silent()], known).failures[-1] == Failure(0, ("Silent",), None)
+    assert found(PROGRAM, [Silent()], known).failures[-1] == Fallback(0, ("Silent",), None)
 
 
 def test_time_that_runs_out_leaves_projections_out():
@@ -104,7 +104,7 @@ def test_a_row_that_the_box_breaks_is_a_proof():
 def test_the_interior_is_proved_or_there_is_none():
     inside = interior(PROGRAM, [Silent(), "piqp"])
     assert PROGRAM.holds(inside.point[None])[0]
-    assert inside.failures == (Failure(None, ("Silent",), "piqp"),)
+    assert inside.failures == (Fallback(None, ("Silent",), "piqp"),)
     nobody = interior(PROGRAM, [])
     assert nobody.point.tolist() == PROGRAM.centre.tolist()
     rows = sparse.csr_array([[1.0, 0.0], [-1.0, 0.0]])
@@ -113,7 +113,7 @@ def test_the_interior_is_proved_or_there_is_none():
     line = LinearProgram(sparse.csr_array([[0.6, -0.8], [-0.6, 0.8]]), np.array([0.1, -0.1]), np.zeros(2), np.ones(2))
     doubtful = interior(line, ["highs"])
     assert doubtful.contradiction is None
-    assert doubtful.failures == (Failure(None, ("highs",), None),)
+    assert doubtful.failures == (Fallback(None, ("highs",), None),)
 
 
 def test_a_row_of_more_than_four_entries_is_no_trouble():

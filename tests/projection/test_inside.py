@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.programs import every_pair, everybody, is_possible, merged_team, random_polytope, single
+from helpers.programs import every_pair, everybody, is_possible, merged_team, on_robot, random_polytope, single
 from helpers.worlds import unit
 from scipy.optimize import linprog
 
@@ -20,7 +20,7 @@ def star(rng, middle, robots=4, rows=8, at=0.0):
         normal, none = unit(rng.uniform(-np.pi, np.pi, rows)), np.zeros(rows, dtype=int)
         own, seen = normal @ inside[robot], normal @ (inside[robot] - inside[middle])
         if robot == middle:
-            parts.append(Constraints.on_robot(robot, normal, own + rng.uniform(0, 0.3, rows), none))
+            parts.append(on_robot(robot, normal, own + rng.uniform(0, 0.3, rows), none))
         else:
             from_middle = np.full(rows, middle), np.full(rows, robot)
             parts.append(Constraints.between(*from_middle, normal, seen + rng.uniform(0, 0.3, rows), none))
@@ -102,7 +102,7 @@ def test_the_slack_is_right_where_there_is_no_rounding():
     )
     place, point = np.arange(2), np.array([1.0, 0.0, 0.1, 0.2])
     assert slack_at(point, 0, place, rows.rows)[0] == pytest.approx(0, abs=1e-16)
-    exact = Constraints.on_robot(0, np.array([[-1.0, 0.0]]), np.array([-1.0]), np.zeros(1, dtype=int))
+    exact = on_robot(0, np.array([[-1.0, 0.0]]), np.array([-1.0]), np.zeros(1, dtype=int))
     assert slack_at(point, 0, place, exact.rows) == (0.0, 0.0)
     for row, wanted in ((1, 1 - np.cos(1)), (2, 1 - np.cos(2) * (0.1 - 1) - np.sin(2) * 0.2)):
         slack, doubt = slack_at(point, row, place, rows.rows)

@@ -22,7 +22,7 @@ from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.measurements import Range
-from filter.projection.fallback import Failure
+from filter.projection.fallback import Fallback
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
@@ -165,7 +165,7 @@ def test_a_lost_walk_among_others_is_searched_and_put_in_its_place(window):
     polytope = merged_team(2)
     whole = Projector(window, Stop(), solvers=()).robots(polytope).outlines
     lost = Projector(window, Stop(), solvers=("piqp", "highs")).robots(with_strangers(polytope, [1, 3]))
-    assert lost.failures == (Failure(1, ("walk",), "piqp"), Failure(3, ("walk",), "piqp"))
+    assert lost.failures == (Fallback(1, ("walk",), "piqp"), Fallback(3, ("walk",), "piqp"))
     others = np.array([0, 2, 4, 5, 6])
     assert lost.outlines.outer.areas[others] == pytest.approx(whole.outer.areas, rel=1e-9)
     assert lost.outlines.select(others).weights.counts.tolist() == whole.weights.counts.tolist()

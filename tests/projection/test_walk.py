@@ -9,6 +9,7 @@ from helpers.programs import (
     excess,
     links_of,
     merged_team,
+    on_robot,
     random_polytope,
     single,
     supports,
@@ -221,7 +222,7 @@ def cut(polytope, coordinate, gap):
     robot, axis = divmod(coordinate, 2)
     middle = polytope.program().centre[coordinate]
     normal = np.stack([np.eye(2)[axis], -np.eye(2)[axis]])
-    apart = Constraints.on_robot(robot, normal, np.array([middle, -middle - gap]), np.zeros(2, dtype=int))
+    apart = on_robot(robot, normal, np.array([middle, -middle - gap]), np.zeros(2, dtype=int))
     return polytope.with_constraints(Constraints.concatenate([polytope.constraints, apart]))
 
 

@@ -8,7 +8,7 @@ from helpers.worlds import World, escapes
 from filter.errors import Inconsistent
 from filter.geometry.polygon import Polygon
 from filter.measurements import Range
-from filter.sets.belief import Fallback
+from filter.projection.fallback import Fallback
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

@@ -6,7 +6,7 @@ from helpers.worlds import World, of_robot
 
 from filter.errors import Inconsistent
 from filter.measurements import Bearing, Compass, Range
-from filter.sensing.rows import narrowed_headings
+from filter.sensing.headings import narrowed_headings
 from filter.sets.set_membership import SetMembershipFilter
 
 

@@ -7,7 +7,8 @@ from helpers.worlds import World, exact_row_slack
 
 from filter.linear.sources import Source, Sources
 from filter.measurements import Bearing, Compass, Range
-from filter.sensing.rows import KIND_OF, merged, narrowed_headings, numbered_of
+from filter.sensing.headings import narrowed_headings
+from filter.sensing.rows import KIND_OF, merged, numbered_of
 from filter.sets.belief import Belief
 from filter.sets.set_membership import SetMembershipFilter
 

@@ -14,11 +14,10 @@ from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.measurements import Bearing, Compass, Range
+from filter.sensing.headings import heading_arcs_of_bearing, heading_arcs_of_compass
 from filter.sensing.rows import (
     WIDENING,
     bearing_rows,
-    heading_arcs_of_bearing,
-    heading_arcs_of_compass,
     on_robots,
     range_rows,
     spans_of_targets,

@@ -3,7 +3,8 @@
 import pytest
 
 from filter.linear.sources import Source
-from filter.sets.belief import Fallback, Rejected
+from filter.projection.fallback import Fallback
+from filter.sets.belief import Rejected
 
 WALK = ("walk",)
 

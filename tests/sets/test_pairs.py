@@ -10,10 +10,11 @@ from helpers.worlds import World, escapes, exact_claim, unit
 
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
+from filter.projection.fallback import Fallback
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets.belief import Belief, Fallback
+from filter.sets.belief import Belief
 from filter.sets.refine import NEAR, chosen_pairs, with_pairs
 from filter.sets.set_membership import SetMembershipFilter
 

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import shapely
-from helpers.programs import supports
+from helpers.programs import on_robot, supports
 from helpers.teams import beliefs, odometry
 from helpers.worlds import World, escapes, unit
 from hypothesis import given
@@ -30,7 +30,7 @@ EVERYWHERE = np.array([[-np.inf] * 2, [np.inf] * 2])
 
 def polytope_of(polygon, room=1.0):
     lower, upper = polygon.bounds
-    rows = Constraints.on_robot(0, polygon.normals, polygon.offsets, np.zeros(len(polygon.offsets), dtype=int))
+    rows = on_robot(0, polygon.normals, polygon.offsets, np.zeros(len(polygon.offsets), dtype=int))
     return Polytope(rows, lower[None] - room, upper[None] + room)
 
 
@@ -181,7 +181,7 @@ def test_without_a_proof_rows_are_moved_alone():
 
 def test_a_box_that_does_not_move_stays_to_the_last_bit_and_others_move_outward():
     polytope = Polytope(
-        Constraints.on_robot(0, np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=int)),
+        on_robot(0, np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=int)),
         np.array([[0.1, 0.2], [0.3, 0.4]]),
         np.array([[0.1, 0.2], [0.5, 0.6]]),
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.programs import merged_team
+from helpers.programs import merged_team, on_robot
 from helpers.teams import begun, beliefs
 from helpers.worlds import World, escapes, exact_claim
 
@@ -32,7 +32,7 @@ def two_robots(offset):
     """Return robot 0 in the unit box, robot 1 in [2, 3] x [0, 1], and x_1 - x_0 <= offset along x."""
     rows = Constraints.concatenate(
         [
-            Constraints.on_robot(1, np.array([[-1.0, 0.0]]), np.array([-2.0]), np.array([0])),
+            on_robot(1, np.array([[-1.0, 0.0]]), np.array([-2.0]), np.array([0])),
             Constraints(np.array([0]), np.array([1]), np.array([[1.0, 0.0]]), np.array([offset]), np.array([1])),
         ]
     )

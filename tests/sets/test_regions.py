@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.teams import begun
 from helpers.worlds import World
 
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
-from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.projection.claims import Hulls, Outlines
 from filter.projection.window import Window
@@ -70,7 +70,7 @@ def test_ratios_of_points_segments_and_of_what_nobody_knows():
 
 
 def test_at_a_glance_nothing_is_searched_and_each_edge_names_its_row_or_its_box():
-    rows = Constraints.on_robot(1, np.array([[1.0, 0.0]]), np.array([0.5]), np.array([7]))
+    rows = on_robot(1, np.array([[1.0, 0.0]]), np.array([0.5]), np.array([7]))
     polytope = Polytope(rows, np.zeros((2, 2)), np.ones((2, 2)), np.array([3, 4]))
     regions = Regions.at_a_glance(polytope)
     assert [region.outer.area for region in regions] == pytest.approx([1.0, 0.5])
@@ -81,7 +81,7 @@ def test_at_a_glance_nothing_is_searched_and_each_edge_names_its_row_or_its_box(
 
 
 def test_causes_are_the_sources_of_the_rows_that_prove_an_edge():
-    rows = Constraints.on_robot(0, np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([0.5, 0.5]), np.array([9, 8]))
+    rows = on_robot(0, np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([0.5, 0.5]), np.array([9, 8]))
     polytope = Polytope(rows, np.zeros((1, 2)), np.ones((1, 2)))
     glance = Outlines.at_a_glance(polytope.of_robots(np.array([0])), 2)
     causes = Regions.of(polytope, glance)[0].causes  # nobody asks where the box comes from

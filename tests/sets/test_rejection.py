@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.programs import on_robot
 from helpers.teams import BOX, TEAM, begun, estimator, odometry, snapshot, started
 from helpers.worlds import World, escapes
 
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
-from filter.linear.constraints import Constraints
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Range
 from filter.sets.belief import Rejected
@@ -102,7 +102,7 @@ def test_where_very_much_is_wrong_none_goes_that_need_not():
 def test_without_a_measurement_in_the_conflict_there_is_nothing_to_drop():
     belief = started()
     way = np.array([[1.0, 0.0], [-1.0, 0.0]])
-    apart = Constraints.on_robot(0, way, np.array([0.4, -0.6]), belief.constraints.source[:2])
+    apart = on_robot(0, way, np.array([0.4, -0.6]), belief.constraints.source[:2])
     contradictory = replace(belief, polytope=belief.polytope.with_constraints(apart))
     for records in ([], [Compass(0, 0, 0.0, 0.1), Range(0, 0, 1, 2.0, 1.0, 0)]):
         with pytest.raises(

@@ -9,7 +9,7 @@ projection/, sets/, robust/, follow, ekf, watch, warm_up.
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
-from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange, Unbounded
+from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
 from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Step, follow
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -38,4 +38,4 @@ __all__ += ["Alarm", "Belief", "Event", "Fallback", "Proof", "Region", "Regions"
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]
-__all__ += ["CorralError", "Inconsistent", "InvalidInput", "OutOfOrder", "OutOfRange", "Unbounded"]
+__all__ += ["CorralError", "Inconsistent", "InvalidInput", "OutOfOrder", "OutOfRange"]

@@ -6,9 +6,6 @@ Nothing a solver throws escapes, and no input is checked by `assert`. An error l
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 
 class CorralError(Exception):
     """Base of every error that Corral raises on purpose. Errors can be copied and pickled, with all that they carry."""
@@ -59,22 +56,3 @@ class Inconsistent(CorralError):
     def __init__(self, what: str, sources: Sequence[Any]) -> None:
         super().__init__(f"{what}: no configuration satisfies all of: {'; '.join(map(str, sources))}")
         self.sources = tuple(sources)
-
-
-class Unbounded(CorralError):
-    """Measurements and anchors do not hold some robots: these could be infinitely far away.
-
-    Attributes:
-        direction: (n, 2) how the robots can go on for ever together, the farthest at 1; 0 for those that are held.
-        robots: Those that are not held.
-    """
-
-    def __init__(self, why: str, direction: NDArray[np.float64]) -> None:
-        self.direction = direction
-        self.robots = tuple(np.flatnonzero(direction.any(axis=1)).tolist())
-        alike: dict[str, list[str]] = {}
-        for robot in self.robots:
-            x, y = direction[robot]
-            alike.setdefault(f"along ({x:+.2f}, {y:+.2f})", []).append(str(robot))
-        ways = "; ".join(f"robot{'s' * (len(who) > 1)} {', '.join(who)} {way}" for way, who in alike.items())
-        super().__init__(f"unbounded, as {why}: without end can go {ways}")

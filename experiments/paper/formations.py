@@ -15,9 +15,9 @@ from functools import cached_property
 import numpy as np
 
 from experiments.paper.merge_orders import StaticCase, places
-from experiments.paper.reference import bounded_box
+from experiments.paper.reference import Unbounded, bounded_box
 from filter.arrays import Array, Floats, Integers, finite, read_only, whole
-from filter.errors import InvalidInput, Unbounded
+from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope

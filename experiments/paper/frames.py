@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.paper.formations import Formation, Searcher
+from experiments.paper.reference import Unbounded
 from filter.arrays import Array, Integers, whole
-from filter.errors import InvalidInput, Unbounded
+from filter.errors import InvalidInput
 from filter.projection.proved import Projection, position
 from filter.projection.stop import Budget, Stop
 from filter.sets.belief import Belief

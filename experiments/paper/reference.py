@@ -12,7 +12,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from filter.arrays import Array, Floats, Integers, Mask
-from filter.errors import InvalidInput, Unbounded
+from filter.errors import CorralError, InvalidInput
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
@@ -24,6 +24,25 @@ FAR = 1e4
 NEARLY = 0.99
 # Rows hold a direction back when it leaves them by more than this, of a direction of size 1.
 HELD = 1e-6
+
+
+class Unbounded(CorralError):
+    """Measurements and anchors do not hold some robots: these could be infinitely far away.
+
+    Attributes:
+        direction: (n, 2) how the robots can go on for ever together, the farthest at 1; 0 for those that are held.
+        robots: Those that are not held.
+    """
+
+    def __init__(self, why: str, direction: Array) -> None:
+        self.direction = direction
+        self.robots = tuple(np.flatnonzero(direction.any(axis=1)).tolist())
+        alike: dict[str, list[str]] = {}
+        for robot in self.robots:
+            x, y = direction[robot]
+            alike.setdefault(f"along ({x:+.2f}, {y:+.2f})", []).append(str(robot))
+        ways = "; ".join(f"robot{'s' * (len(who) > 1)} {', '.join(who)} {way}" for way, who in alike.items())
+        super().__init__(f"unbounded, as {why}: without end can go {ways}")
 
 
 def free_coordinates(anchors: Floats) -> Mask:

@@ -5,8 +5,8 @@ import pytest
 from helpers.worlds import NO_ROWS
 
 from experiments.paper.formations import draw_formation
-from experiments.paper.reference import bounded_box, free_coordinates
-from filter.errors import InvalidInput, Unbounded
+from experiments.paper.reference import Unbounded, bounded_box, free_coordinates
+from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.solvers import SIMPLEX

@@ -9,8 +9,9 @@ from helpers.recordings import rows_of
 from experiments.paper.formations import Searcher, draw_formation
 from experiments.paper.frames import farthest_reference, localize, relative_regions, uncertain_pairs
 from experiments.paper.merge_orders import spread_over_orders
+from experiments.paper.reference import Unbounded
 from experiments.static_localization import main
-from filter.errors import InvalidInput, Unbounded
+from filter.errors import InvalidInput
 from filter.projection.proved import position
 from filter.projection.stop import Budget, Stop
 

@@ -94,11 +94,11 @@ class Projector:
         """Project onto x_j - x_i of pairs i < j (g), each in the window of the two; those lost or late keep what rows say."""
         i, j = pairs
         done, walks = self._walked(polytope, i, j, links(polytope.constraints, len(polytope.lower)), is_over)
-        found = walks.outlines.outer.counts > 0
-        left = np.delete(np.arange(len(j)), done[found])
-        glance = Outlines.at_a_glance(polytope.of(i[left], j[left]), len(polytope.constraints))
-        failures = tuple(Fallback(int(j[k]), (WALK,), None, int(i[k])) for k in done[~found])
-        return Outlined(in_order([(done, walks.outlines), (left, glance)]), failures)
+        lost, late = done[walks.outlines.outer.counts == 0], np.delete(np.arange(len(j)), done)
+        glance = Outlines.at_a_glance(polytope.of(i[lost], j[lost]), len(polytope.constraints))
+        later = Outlines.at_a_glance(polytope.of(i[late], j[late]), len(polytope.constraints), "time")
+        failures = tuple(Fallback(int(j[k]), (WALK,), None, int(i[k])) for k in lost)
+        return Outlined(in_order([(done, walks.outlines), (lost, glance), (late, later)]), failures)
 
     def _walked(self, polytope: Polytope, i: Integers, j: Integers, who: Links, is_over: IsOver) -> tuple[Integers, Outlined]:
         """Walk the windows of pairs i, j (g), or of robots j where i is WORLD.

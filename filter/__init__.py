@@ -10,7 +10,7 @@ projection/, sets/, robust/, follow, ekf, watch, warm_up.
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
-from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Step, follow
+from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Mistimed, Step, follow
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
@@ -32,7 +32,7 @@ from filter.watch import Alarm, watch
 
 __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Range", "Team", "Truth"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
-__all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Step", "follow", "warm_up", "watch"]
+__all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "follow", "warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
 __all__ += ["Alarm", "Belief", "Event", "Fallback", "Proof", "Region", "Regions", "Rejected", "Source"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]

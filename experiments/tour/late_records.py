@@ -1,7 +1,7 @@
 """Late records: what a slow camera saw is merged where it belongs, as if it had come in time.
 
 The wheels of a robot are heard at once; what its camera sees comes late and in any order. Around any filter, `FixedLag` keeps
-the last steps and does them again with what has come. What is later than the lag is refused, and counted.
+the last steps and does them again with what has come. What is later than the lag is refused, counted, and told by an event.
 """
 
 import sys

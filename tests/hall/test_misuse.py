@@ -187,6 +187,8 @@ CALLS = {
     "lag: inner": (lambda x: FixedLag(x, len), NO_FILTER),
     "lag: motion": (lambda x: FixedLag(SETS, x), NOT_OURS),
     "lag: lag": (lambda x: FixedLag(SETS, len, x), SPREAD),
+    "lag: gap": (lambda x: FixedLag(SETS, len, gap=x), SPREAD),
+    "lag: restart": (lambda x: FixedLag(SETS, len, restart=x), OPTION),
     "lag: begin": (LAG.begin, NOT_OURS),
     "lag: merge into": (lambda x: LAG.merge(x, [COMPASS]), but(NOT_OURS, belief=BELIEF)),
     "lag: merge": (lambda x: LAG.merge(LAGGED, x), NO_RECORDS),

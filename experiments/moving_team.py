@@ -12,6 +12,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from experiments.follow.beside import Beside
 from experiments.follow.metrics import Escapes, Metrics, Value
 from experiments.follow.scenarios import Scenario, from_log
 from experiments.follow.simulated import from_simulator
@@ -111,6 +112,8 @@ def run(options: Options) -> int:
     print_table(f"moving_team, in {folder}", summary)
     if conflict:
         tell(f"the filter stopped: {conflict}")
+    if following.beside.failure:
+        tell(f"the EKF's trajectories end early: {following.beside.failure}")
     return int(following.metrics.escaped or conflict is not None)
 
 
@@ -162,7 +165,7 @@ class Following:
             inside=options.hops is None,
             viewer=viewer,
         )
-        self._trajectories = Trajectories(folder, team)
+        self._trajectories, self.beside = Trajectories(folder, team), Beside(scenario)
         self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
         self._certificates = Certificates(folder) if options.certificates else None
         self._pictured = -PICTURE_EVERY
@@ -188,6 +191,8 @@ class Following:
         escapes = self.metrics.add(step.frame, step.belief, step.seconds)
         self._recording.add(step.frame, step.belief)
         self._trajectories.write(step.frame, step.belief)
+        if (guess := self.beside.estimate(step.frame)) is not None:
+            self._trajectories.estimate("ekf", step.frame.time, guess.mean[:, :2], guess.mean[:, 2])
         if self._certificates:
             self._certificates.write(step.belief)
         for event in step.belief.events:

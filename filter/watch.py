@@ -47,7 +47,7 @@ class Alarm(Frozen):
 
 
 def watch(
-    belief: Belief, positions: Floats, covariances: Floats | None = None, probability: float = 0.997
+    belief: Belief, positions: Floats, covariances: Floats | None = None, probability: float = 0.997, moved: Floats = 0.0
 ) -> tuple[Alarm, ...]:
     """Return an alarm for each robot whose estimate is proved to be wrong; `InvalidInput` if something is not as it should be.
 
@@ -56,16 +56,20 @@ def watch(
         positions: (n, 2) another estimator's positions [m]; NaN for a robot of which it says nothing.
         covariances: (n, 2, 2) of these positions, symmetric and positive definite [m2], or None for points alone.
         probability: What the ellipses are said to contain, in [0, 1).
+        moved: (n,) or one for all, how far robots can be from where the belief has them, for positions of another time [m].
     """
     instance("belief", belief, Belief)
     robots, points = len(belief.regions), floats("positions [m]", positions)
-    if points.shape != (robots, 2):
-        raise InvalidInput(f"positions of {robots} robots, (n, 2)", f"shape {points.shape}")
+    travel = finite("moved [m]", moved, 0)
+    if points.shape != (robots, 2) or travel.shape not in ((), (robots,)):
+        expected = f"positions of {robots} robots, (n, 2), moved by (n,) or one length"
+        raise InvalidInput(expected, f"shapes {points.shape} and {travel.shape}")
     if (np.abs(points) > LARGEST).any():
         raise InvalidInput("finite positions [m], or NaN where nothing is said", shown(points.tolist()))
     size = np.sqrt(-2 * np.log1p(-number("probability", probability, 0, np.nextafter(1.0, 0))))  # chi-square, 2 degrees
     roots = [None] * robots if covariances is None else list(size * _roots(covariances, robots))
-    alarms = (_alarm(belief, k, points[k], roots[k]) for k in range(robots) if np.isfinite(points[k]).all())
+    further, said = np.broadcast_to(travel, robots).tolist(), np.flatnonzero(np.isfinite(points).all(axis=1))
+    alarms = (_alarm(belief, k, points[k], roots[k], further[k]) for k in said.tolist())
     return tuple(alarm for alarm in alarms if alarm is not None)
 
 
@@ -73,23 +77,24 @@ def _roots(covariances: Floats, robots: int) -> Array:
     matrices = finite("covariances [m2]", covariances)
     if matrices.shape != (robots, 2, 2):
         raise InvalidInput(f"covariances of {robots} robots, (n, 2, 2)", f"shape {matrices.shape}")
-    wrong = InvalidInput("symmetric and positive definite covariances [m2]", shown(matrices.tolist()))
-    if not np.allclose(matrices, matrices.transpose(0, 2, 1), rtol=SYMMETRIC, atol=0):
-        raise wrong
     try:
-        return np.asarray(np.linalg.cholesky(matrices))
+        roots = np.asarray(np.linalg.cholesky(matrices))
     except np.linalg.LinAlgError:
-        raise wrong from None
+        roots = None
+    if roots is None or not np.allclose(matrices, matrices.transpose(0, 2, 1), rtol=SYMMETRIC, atol=0):
+        raise InvalidInput("symmetric and positive definite covariances [m2]", shown(matrices.tolist()))
+    return roots
 
 
-def _alarm(belief: Belief, robot: int, point: Array, root: Array | None) -> Alarm | None:
+def _alarm(belief: Belief, robot: int, point: Array, root: Array | None, moved: float) -> Alarm | None:
     """Return the gravest alarm: on the ellipse, point + root u over |u| <= 1, else on the point, else None."""
-    outer = belief.regions[robot].outer
+    outer = belief.regions.outer[robot]
     for ellipse in (root, None) if root is not None else (None,):
         normal = _separating_normal(outer, point, np.eye(2) if ellipse is None else ellipse)
         if normal is None:
             continue
-        offset, reach = float(outer.support(normal[None])[0]), 0.0 if ellipse is None else float(np.hypot(*(normal @ ellipse)))
+        reach = 0.0 if ellipse is None else float(np.hypot(*(normal @ ellipse)))
+        offset = float(np.nextafter(outer.support(normal[None])[0] + (1 + 8 * EPSILON) * moved, np.inf))
         distance = float(normal @ point) - reach - offset - 16 * EPSILON * (float(np.abs(point).sum()) + reach)
         if distance > 0:
             edges = _edges_behind(outer, normal)
@@ -114,9 +119,7 @@ def _separating_normal(polygon: Polygon, point: Array, root: Array) -> Array | N
 
 def _edges_behind(polygon: Polygon, normal: Array) -> tuple[int, ...]:
     """Return the edge with that normal, or the two whose normals are next to it on either side."""
-    angles = np.arctan2(polygon.normals[:, 1], polygon.normals[:, 0]) - np.arctan2(normal[1], normal[0])
-    turns = np.mod(angles + np.pi, 2 * np.pi) - np.pi
+    turns = np.arctan2(polygon.normals @ [-normal[1], normal[0]], polygon.normals @ normal)
     if np.abs(turns).min() <= SAME_DIRECTION:
-        return (int(np.argmin(np.abs(turns))),)
-    after, before = np.where(turns > 0, turns, np.inf), np.where(turns < 0, -turns, np.inf)
-    return (int(np.argmin(before)), int(np.argmin(after)))
+        return (int(np.abs(turns).argmin()),)
+    return int(np.where(turns < 0, -turns, np.inf).argmin()), int(np.where(turns > 0, turns, np.inf).argmin())

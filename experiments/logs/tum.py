@@ -31,12 +31,6 @@ class Trajectory:
         object.__setattr__(self, "times", read_only(self.times))
         object.__setattr__(self, "positions", read_only(self.positions))
 
-    def at(self, time: float, tolerance: float) -> Array:
-        """Return the (2,) position of the pose nearest in time, NaN if none is within the tolerance [s]."""
-        after = int(np.searchsorted(self.times, time))
-        near = [k for k in (after - 1, after) if 0 <= k < len(self.times) and abs(self.times[k] - time) <= tolerance]
-        return self.positions[min(near, key=lambda k: abs(self.times[k] - time))] if near else np.full(2, np.nan)
-
 
 def read_trajectory(path: Path) -> Trajectory:
     """Return a trajectory.
@@ -70,21 +64,25 @@ def _pose(path: Path, number: int, line: str) -> list[float]:
     return pose
 
 
-def find_trajectories(place: Path, pattern: str, robots: int) -> dict[int, Path]:
-    """Return the file of each robot: of one file, or of those in a folder; r3.tum or r3_anything.tum is robot 3's.
+def find_trajectories(place: Path, pattern: str, robots: int) -> dict[str, dict[int, Path]]:
+    """Return each estimator's files by robot: of one file, or of those in a folder.
+
+    r3.tum is robot 3's by the estimator without a name, r3_slam.tum robot 3's by slam.
 
     Raises:
-        InvalidInput: There is none, a name tells no robot of the team, or a robot has two.
+        InvalidInput: There is none, a name tells no robot of the team, or a robot has two by one estimator.
     """
     files = sorted(place.glob(pattern)) if place.is_dir() else [place]
-    found: dict[int, Path] = {}
+    found: dict[str, dict[int, Path]] = {}
     for file in files:
         named = ROBOT.match(file.name)
         if named is None or int(named[1]) >= robots:
-            raise InvalidInput(f"files named for a robot, r0 to r{robots - 1}, as in r0.tum", str(file))
-        if (robot := int(named[1])) in found:
-            raise InvalidInput("one trajectory a robot; --pattern tells which", f"{found[robot].name} and {file.name}")
-        found[robot] = file
+            raise InvalidInput(f"files named for a robot, r0 to r{robots - 1}, as in r0.tum or r0_slam.tum", str(file))
+        estimator = Path(file.name.removesuffix(".gz")).stem[named.end() :].lstrip("_-")
+        robot, of_one = int(named[1]), found.setdefault(estimator, {})
+        if robot in of_one:
+            raise InvalidInput("one trajectory a robot and estimator", f"{of_one[robot].name} and {file.name}")
+        of_one[robot] = file
     if not found:
         raise InvalidInput(f"trajectories {pattern} in {place}", "none")
     return found

@@ -201,6 +201,7 @@ CALLS = {
     "watch: positions": (lambda x: watch(BELIEF, x), but(NO_PLACES, infinite=[[0, 0], [0, np.inf]])),
     "watch: covariances": (lambda x: watch(BELIEF, np.zeros((2, 2)), x), but(COVARIANCE, "None")),
     "watch: probability": (lambda x: watch(BELIEF, np.zeros((2, 2)), None, x), but(SPREAD, one=1.0)),
+    "watch: moved": (lambda x: watch(BELIEF, np.zeros((2, 2)), moved=x), but(SPREAD, "pair")),
     "regions: index": (BELIEF.regions.__getitem__, INDEX),
     "regions: contains": (BELIEF.regions.contains, NO_PLACES),
     "causes: robot": (lambda x: BELIEF.causes(x, 0), but(COUNT, beyond=2)),

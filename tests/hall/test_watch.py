@@ -87,6 +87,26 @@ def test_a_corner_names_both_its_edges():
     np.testing.assert_allclose(sorted(normals.tolist()), [[0, 1], [1, 0]])
 
 
+@pytest.mark.parametrize(("x", "y", "away"), [(1.5, 0.5, 0.5), (1.3, 1.4, 0.5), (-3.0, 5.0, 5.0)])
+@pytest.mark.parametrize("covariances", [None, [1e-4 * np.eye(2)]])
+def test_an_estimate_of_another_time_is_impossible_just_when_it_is_farther_off_than_the_robot_can_get(x, y, away, covariances):
+    belief = SetMembershipFilter(Team(1)).start(0.0, [Polygon.box([0, 0], [1, 1])])
+    (alarm,) = watch(belief, [[x, y]], covariances, moved=away - 1e-3)
+    assert alarm.distance == pytest.approx(1e-3, abs=1e-12)
+    corners = belief.regions[0].outer.vertices
+    assert (corners @ alarm.normal <= alarm.offset - (away - 1e-3)).all(), "the line is moved outward, too"
+    assert alarm.edges == watch(belief, [[x, y]])[0].edges
+    assert watch(belief, [[x, y]], covariances, moved=[away + 1e-9]) == ()
+
+
+def test_a_whole_ellipse_is_beyond_what_has_moved_as_well():
+    belief = SetMembershipFilter(Team(1)).start(0.0, [Polygon.box([0, 0], [1, 1])])
+    reach = 0.1 * np.sqrt(chi2.ppf(0.997, 2))
+    (near,), (far,) = (watch(belief, [[1.5 + reach + by, 0.5]], [0.01 * np.eye(2)], moved=0.5) for by in (-1e-3, 1e-3))
+    assert (near.everything, far.everything) == (False, True)
+    assert far.distance == pytest.approx(1e-3, abs=1e-9)
+
+
 def test_nothing_is_said_of_a_robot_without_an_estimate():
     _, belief = measured_belief()
     assert watch(belief, np.full((4, 2), np.nan)) == ()
@@ -105,3 +125,10 @@ def test_what_does_not_fit_is_refused(positions, covariances, probability, expec
     _, belief = measured_belief()
     with pytest.raises(InvalidInput, match=expected):
         watch(belief, positions, covariances, probability)
+
+
+@pytest.mark.parametrize("moved", [-0.1, np.inf, np.zeros(3), np.zeros((4, 1)), "far"])
+def test_a_way_that_does_not_fit_is_refused(moved):
+    _, belief = measured_belief()
+    with pytest.raises(InvalidInput, match="moved"):
+        watch(belief, np.zeros((4, 2)), moved=moved)

@@ -4,7 +4,7 @@ import json
 import numpy as np
 import pytest
 
-from experiments.logs import LogReader, find_trajectories, read_trajectory, tum_line
+from experiments.logs import LogReader, find_trajectories, tum_line
 from experiments.moving_team import main as moving_team
 from experiments.watch import Options, main
 from filter import InvalidInput
@@ -37,6 +37,11 @@ def watched(run, tum, out, *options):
     return code, json.loads((out / "summary.json").read_text()) if (out / "summary.json").exists() else None
 
 
+def rows_in(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
 @pytest.mark.parametrize("kind", ["truth", "filter"])
 def test_the_truth_and_the_filters_own_points_raise_no_alarm(run, tmp_path, kind):
     code, summary = watched(run, run / "trajectories", tmp_path, "--pattern", f"r*_{kind}.tum")
@@ -52,21 +57,27 @@ def test_an_estimator_that_goes_astray_is_proved_wrong_from_then_on(run, frames,
     assert code == 1
     assert (summary["checks"], summary["alarms"]) == (45, 5)
     assert 0 < summary["distance_max_m"] < 3
-    with (tmp_path / "out" / "alarms.csv").open(newline="") as file:
-        alarms = list(csv.DictReader(file))
+    alarms = rows_in(tmp_path / "out" / "alarms.csv")
     assert [(alarm["robot"], float(alarm["time_s"])) for alarm in alarms] == [("r1", 1 + k / 10) for k in range(5)]
     assert all(alarm["sources"] for alarm in alarms)
     assert any("robot" in alarm["sources"] for alarm in alarms)
+    (episode,) = rows_in(tmp_path / "out" / "episodes.csv")
+    assert summary["episodes"] == 1 == int(alarms[0]["episode"])
+    assert (episode["trajectory"], episode["poses"], episode["start_s"], episode["end_s"]) == ("r1", "5", "1.0", "1.4")
+    assert float(episode["distance_max_m"]) == max(float(alarm["distance_m"]) for alarm in alarms)
+    assert "region" not in episode["behind"].split("; ")
     said = capsys.readouterr().out
-    assert "Proved wrong" in said
     assert "1.000" in said
+    assert said.splitlines()[-1] == (
+        "45 of 45 poses were judged: 0 are before the log's first frame, 0 after its last. "
+        "5 are proved wrong, in 1 episode, if every bound of the log holds."
+    )
 
 
 def test_the_line_of_an_alarm_separates_the_estimate_from_the_truth(run, frames, tmp_path):
     shifted = write(tmp_path / "r2.tum", frames, 2, (0.0, -2.0))
     assert watched(run, shifted, tmp_path / "out")[0] == 1
-    with (tmp_path / "out" / "alarms.csv").open(newline="") as file:
-        alarms = list(csv.DictReader(file))
+    alarms = rows_in(tmp_path / "out" / "alarms.csv")
     assert len(alarms) == len(frames)
     for alarm, frame in zip(alarms, frames, strict=True):
         normal = np.array([float(alarm["normal_x"]), float(alarm["normal_y"])])
@@ -76,23 +87,39 @@ def test_the_line_of_an_alarm_separates_the_estimate_from_the_truth(run, frames,
         assert beyond == pytest.approx(float(alarm["distance_m"]), abs=1e-9)
 
 
-def test_poses_between_frames_are_not_compared(run, frames, tmp_path):
+def test_poses_between_frames_are_judged_and_those_outside_the_log_are_counted(run, frames, tmp_path):
+    last, there = frames[-1].time, frames[0].truth.positions[0] + 9
+    times = np.concatenate([[-0.5, -0.2], np.arange(0.01, last, 0.07), [last + 0.3]])
     path = tmp_path / "r0.tum"
-    lines = [
-        tum_line(frame.time + (0.02 if k % 2 else 0.0), frame.truth.positions[0] + 9, 0.0) for k, frame in enumerate(frames)
-    ]
-    path.write_text("".join(lines))
+    path.write_text("".join(tum_line(time, there, 0.0) for time in times))
     code, summary = watched(run, path, tmp_path / "out")
-    assert (code, summary["poses"], summary["checks"], summary["alarms"]) == (1, 15, 8, 8)
-    code, summary = watched(run, path, tmp_path / "out", "--tolerance", "0.03")
-    assert (code, summary["checks"]) == (1, 15)
+    outside = summary["before_first_frame"], summary["after_last_frame"]
+    assert (code, summary["poses"], summary["checks"], outside) == (1, len(times), len(times) - 3, (2, 1))
+    assert (summary["alarms"], summary["episodes"]) == (len(times) - 3, 1)
 
 
-def test_a_trajectory_of_another_time_ends_with_exit_code_2(run, frames, tmp_path, capsys):
+def test_a_clock_that_is_known_to_be_off_is_set_right(run, frames, tmp_path):
     path = tmp_path / "r0.tum"
-    path.write_text("".join(tum_line(frame.time + 1e6, frame.truth.positions[0], 0.0) for frame in frames))
-    assert watched(run, path, tmp_path / "out") == (2, None)
-    assert "poses within" in capsys.readouterr().err
+    path.write_text("".join(tum_line(frame.time + 100, frame.truth.positions[0], 0.0) for frame in frames))
+    code, summary = watched(run, path, tmp_path / "out", "--offset", "-100", "--tolerance", "0.001")
+    assert (code, summary["checks"], summary["alarms"]) == (0, 15, 0)
+
+
+def test_every_trajectory_in_the_folder_of_a_run_is_judged_the_kalman_filters_too(run, tmp_path):
+    code, summary = watched(run, run / "trajectories", tmp_path)
+    assert code == int(summary["alarms"] > 0)
+    assert (summary["robots"], summary["trajectories"], summary["checks"]) == (3, 9, 135)
+    assert {alarm["trajectory"] for alarm in rows_in(tmp_path / "alarms.csv")} <= {"ekf"}
+
+
+@pytest.mark.parametrize("back", ["0", "0.35"])
+def test_regions_are_traced_as_far_back_as_is_asked(run, frames, tmp_path, back):
+    shifted = write(tmp_path / "r2.tum", frames, 2, (0.0, -2.0), since=1.35)
+    assert watched(run, shifted, tmp_path / "out", "--back", back)[0] == 1
+    (episode,) = rows_in(tmp_path / "out" / "episodes.csv")
+    regions = [part for part in episode["behind"].split("; ") if part.startswith("region")]
+    oldest = max(float(frame.time) for frame in frames if frame.time < 1.4 - 0.05 - float(back))
+    assert all(float(part.split()[-2]) <= oldest for part in regions)
 
 
 BAD = {
@@ -117,32 +144,31 @@ def test_a_trajectory_that_cannot_be_used_ends_with_its_place_and_exit_code_2(ru
     assert "Traceback" not in said
 
 
-def test_a_folder_must_tell_one_trajectory_of_each_robot(run, tmp_path):
-    with pytest.raises(InvalidInput, match="--pattern"):
-        find_trajectories(run / "trajectories", "r*.tum", 3)
+def test_a_folder_tells_the_trajectories_of_each_estimator_by_robot(run, tmp_path):
+    found = find_trajectories(run / "trajectories", "r*.tum", 3)
+    assert {name: sorted(files) for name, files in found.items()} == {name: [0, 1, 2] for name in ("ekf", "filter", "truth")}
     with pytest.raises(InvalidInput, match="none"):
         find_trajectories(tmp_path, "r*.tum", 3)
     (tmp_path / "r3.tum").touch()
     with pytest.raises(InvalidInput, match="r0 to r2"):
         find_trajectories(tmp_path, "r*.tum", 3)
-    (tmp_path / "r10_slam.tum").touch()
-    assert sorted(find_trajectories(tmp_path, "r*.tum", 11)) == [3, 10]
+    for name in ("r10_slam.tum", "r10_slam_v1.2.tum", "r4-odometry.tum.gz", "r5.txt"):
+        (tmp_path / name).touch()
+    found = find_trajectories(tmp_path, "r*.t*", 11)
+    assert {name: sorted(files) for name, files in found.items()} == {
+        "": [3, 5],
+        "odometry": [4],
+        "slam": [10],
+        "slam_v1.2": [10],
+    }
+    (tmp_path / "r03.tum").touch()
+    with pytest.raises(InvalidInput, match="one trajectory a robot"):
+        find_trajectories(tmp_path, "r*.tum", 11)
 
 
 def test_a_log_that_cannot_be_read_ends_with_exit_code_2(tmp_path, capsys):
     assert main(["--log", str(tmp_path / "log.jsonl"), "--tum", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
     assert "expected a readable log" in capsys.readouterr().err
-
-
-def test_a_pose_is_found_by_its_time(tmp_path):
-    path = tmp_path / "r0.tum"
-    path.write_text("".join(tum_line(0.1 * k, np.array([k, -k]), 0.0) for k in range(5)))
-    trajectory = read_trajectory(path)
-    assert trajectory.at(0.3, 1e-6).tolist() == [3, -3]
-    assert trajectory.at(0.32, 0.05).tolist() == [3, -3]
-    assert trajectory.at(0.38, 0.05).tolist() == [4, -4]
-    assert np.isnan(trajectory.at(0.35, 0.01)).all()
-    assert np.isnan(trajectory.at(-1.0, 0.01)).all()
 
 
 def test_the_help_explains_every_option(capsys):

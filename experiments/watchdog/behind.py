@@ -1,0 +1,109 @@
+"""Which measurements are behind an edge: regions are traced to what the sensors said, as far back as is asked."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from filter import Array, Belief, Compass, Integers, Proof, Source, Step
+
+WORLD = -1  # what an edge of a robot's own region is seen from
+SAME_DIRECTION = 1e-6  # an edge whose normal is within this of a row's carries it alone [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """A line that bounds a robot, or where it is as seen from another.
+
+    Attributes:
+        time: When [s].
+        i: The robot it is seen from, or WORLD.
+        j: Robot.
+        normal: (2,) outward.
+    """
+
+    time: float
+    i: int
+    j: int
+    normal: Array
+
+
+def traced(steps: Sequence[Step[Belief]], edges: Sequence[Edge]) -> tuple[Source, ...]:
+    """Return what some edges come from, in order of time: what sensors said, and where the steps end what was known before.
+
+    Args:
+        steps: Those to trace back through, the last of which the edges are of.
+        edges: Lines that hold there, or follow from two edges of a region.
+    """
+    at, left, seen = {step.frame.time: step for step in steps}, list(edges), set()
+    found: set[Source] = set()
+    while left:
+        edge = left.pop()
+        for source, behind in _rests_on(at[edge.time].belief, edge):
+            found |= set(_driven(steps, source.time, edge))
+            if source.kind != "region" or source.time not in at:
+                found.add(source)
+            elif (key := (behind.time, behind.i, behind.j, *behind.normal.tolist())) not in seen:
+                seen.add(key)
+                left.append(behind)
+    found |= {heading for source in found if source.time in at for heading in _compass(at[source.time], source)}
+    return tuple(sorted(found, key=lambda source: (source.time, source.kind, source.robot, source.target or 0)))
+
+
+def _rests_on(belief: Belief, edge: Edge) -> Iterator[tuple[Source, Edge]]:
+    """Yield what an edge rests on: each row's source, and the row as an edge of that time."""
+    # The second proof, of the boxes, rests on the first, of the regions; those of pairs come after it.
+    for proof in belief.proofs[:1] if edge.i == WORLD else belief.proofs[2:]:
+        claims = np.flatnonzero((proof.i == edge.i) & (proof.j == edge.j))
+        for claim in claims[_next_to(proof.normal[claims], edge.normal)].tolist() if len(claims) else ():
+            yield from _rows_behind(proof, claim)
+
+
+def _rows_behind(proof: Proof, claim: int) -> Iterator[tuple[Source, Edge]]:
+    rows, origin, (used, _) = proof.polytope.constraints, proof.polytope.origin, proof.rests_on(claim)
+    for row in used.tolist():
+        source = proof.sources[int(rows.source[row])]
+        yield source, Edge(source.time, int(rows.i[row]), int(rows.j[row]), rows.normal[row])
+    if not len(used) and len(origin):  # it is a side of the box
+        source = proof.sources[int(origin[proof.j[claim]])]
+        yield source, Edge(source.time, WORLD, int(proof.j[claim]), proof.normal[claim])
+
+
+def _next_to(normals: Array, normal: Array) -> Integers:
+    """Return which of (e, 2) normals is that one, or which two are next to it on either side."""
+    turns = np.arctan2(normals @ [-normal[1], normal[0]], normals @ normal)
+    if np.abs(turns).min() <= SAME_DIRECTION:
+        return np.array([np.abs(turns).argmin()])
+    return np.array([np.where(turns > 0, turns, np.inf).argmin(), np.where(turns < 0, -turns, np.inf).argmin()])
+
+
+def _driven(steps: Sequence[Step[Belief]], since: float, edge: Edge) -> Iterator[Source]:
+    """Yield the odometry by which a row about an edge's robots was moved from an earlier time on [s]."""
+    for step in steps:
+        driven = step.frame.odometry
+        if driven is not None and since < step.frame.time <= edge.time:
+            for robot in {edge.i, edge.j} & set(driven.robot.tolist()):
+                yield Source("odometry", step.frame.time, robot)
+
+
+def _compass(step: Step[Belief], source: Source) -> Iterator[Source]:
+    """Yield the compass of the instant that a bearing was turned by."""
+    of_robots = [record.robot for record in step.frame.measurements if isinstance(record, Compass)]
+    if source.kind == "bearing" and any(source.robot in robots for robots in of_robots):
+        yield Source("compass", source.time, source.robot)
+
+
+def in_words(sources: Sequence[Source]) -> str:
+    """Return sources as text, those of one kind between the same two together."""
+    times: dict[tuple[str, int, int | None], list[float]] = defaultdict(list)
+    for source in sources:
+        times[source.kind, source.robot, source.target].append(source.time)
+    words = []
+    for (kind, robot, target), when in times.items():
+        who = f"{kind} of robot {robot}" + (f" to {target}" if target is not None else "")
+        several = f"at {len(when)} times from {min(when):.3f} s to {max(when):.3f} s"
+        words.append(f"{who} {several}" if len(when) > 1 else f"{who} at {when[0]:.3f} s")
+    return "; ".join(words)

@@ -1,0 +1,83 @@
+"""Holds poses of any time against regions: of the frame before and of the frame after, widened by how far a robot can get."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from experiments.watchdog.claimed import Claimed
+from experiments.watchdog.reach import Reach
+from filter import Alarm, Array, Belief, Mask, watch
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What is proved of one estimator's poses of one time.
+
+    Attributes:
+        time: When [s].
+        judged: (n,) the robots of which it has a pose.
+        alarms: For each robot whose pose is proved wrong, the proof by which it is farthest off; its time is that of a frame.
+        moved: (n,) how far each robot can have gone between that frame and the pose [m].
+    """
+
+    time: float
+    judged: Mask
+    alarms: dict[int, Alarm]
+    moved: dict[int, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """Judges poses between the frames of a log.
+
+    A pose is possible only if the robot can have got there from where it was at the frame before, and from there to where it
+    is at the frame after.
+
+    Attributes:
+        reach: How far robots can get.
+        tolerance: How far the stamp of a pose may be from the time it is of [s].
+    """
+
+    reach: Reach
+    tolerance: float
+
+    @property
+    def first(self) -> float:
+        """Poses later than this are judged [s]."""
+        return float(np.nextafter(self.reach.times[0] - self.tolerance, -np.inf))
+
+    @property
+    def last(self) -> float:
+        """Poses not later than this are judged [s]."""
+        return float(self.reach.times[-1] + self.tolerance)
+
+    def verdicts(self, frame: int, beliefs: Sequence[Belief], claimed: Claimed) -> Iterator[Verdict]:
+        """Yield a verdict on each time after the frame before and up to this one.
+
+        Args:
+            frame: Its number.
+            beliefs: What the filter knows at this frame, and before it what it knew at the one before, if there is one.
+            claimed: Whose poses.
+        """
+        times = self.reach.times
+        after = times[frame - 1] if frame else self.first
+        until = times[frame] if frame < len(times) - 1 else self.last
+        for moment in claimed.moments(after, until):
+            time, positions = float(claimed.times[moment]), claimed.positions[moment]
+            verdict = Verdict(time, np.isfinite(positions).all(axis=1), {}, {})
+            for number, belief in enumerate(beliefs, frame + 1 - len(beliefs)):
+                self._judge(number, belief, positions, verdict)
+            yield verdict
+
+    def _judge(self, frame: int, belief: Belief, positions: Array, verdict: Verdict) -> None:
+        """Add what is proved by a frame."""
+        moved = self.reach.away(frame, verdict.time - self.tolerance, verdict.time + self.tolerance)
+        outside = verdict.judged & ~belief.regions.contains(positions)
+        # Most poses are inside: nothing can be proved of them.
+        for alarm in watch(belief, np.where(outside[:, None], positions, np.nan), moved=moved) if outside.any() else ():
+            known = verdict.alarms.get(alarm.robot)
+            if known is None or alarm.distance > known.distance:
+                verdict.alarms[alarm.robot], verdict.moved[alarm.robot] = alarm, float(moved[alarm.robot])

@@ -1,0 +1,89 @@
+"""The monitor at work: the filter goes through a log, and what others claim is judged on the way."""
+
+from __future__ import annotations
+
+import csv
+from collections import deque
+from collections.abc import Sequence
+from pathlib import Path
+
+from experiments.follow.scenarios import Scenario
+from experiments.follow.steps import steps
+from experiments.show.terminal import StepProgress
+from experiments.watchdog.claimed import Claimed
+from experiments.watchdog.episodes import Episode, Episodes
+from experiments.watchdog.judge import Judge, Verdict
+from filter import Belief, SetMembershipFilter, Step
+
+PLACE = ("normal_x", "normal_y", "offset_m", "moved_m", "frame_s")
+ALARM = ("time_s", "robot", "trajectory", "distance_m", *PLACE, "episode", "sources")
+EPISODE = ("episode", "trajectory", "start_s", "end_s", "poses", "distance_max_m", "worst_s", "behind")
+
+
+class Watching:
+    """Judges what other estimators claim.
+
+    Attributes:
+        judge: What judges.
+        claims: What is judged.
+        checks: How many poses were judged.
+        alarms: How many of them are proved wrong.
+    """
+
+    def __init__(self, judge: Judge, claims: Sequence[Claimed], back: float) -> None:
+        """Prepare for alarms to be traced back so far [s]."""
+        self.judge, self.claims, self.checks, self.alarms = judge, claims, 0, 0
+        self._back, self._steps, self._episodes = back, deque[Step[Belief]](), Episodes()
+
+    @property
+    def episodes(self) -> Sequence[tuple[Episode, str]]:
+        """The episodes that have ended, each with what is behind it."""
+        return self._episodes.ended
+
+    def run(self, scenario: Scenario, path: Path) -> None:
+        """Judge every pose as the filter goes through a log, and write every alarm.
+
+        Raises:
+            CorralError: What the log or the filter raises.
+        """
+        with path.open("w", encoding="utf-8", newline="") as file, StepProgress(scenario.count) as progress:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(ALARM)
+            for frame, step in enumerate(steps(SetMembershipFilter(scenario.team), scenario)):
+                self._remember(step)
+                writer.writerows(row for claimed in self.claims for row in self._judged(frame, claimed))
+                progress.advance(step.frame.time, step.seconds)
+        self._episodes.end()
+
+    def _remember(self, step: Step[Belief]) -> None:
+        """Keep the steps to trace back through from this one and from the one before."""
+        self._steps.append(step)
+        while len(self._steps) > 2 and self._steps[0].frame.time < self._steps[-2].frame.time - self._back:
+            self._steps.popleft()
+
+    def _judged(self, frame: int, claimed: Claimed) -> list[tuple[object, ...]]:
+        """Judge an estimator's poses since the frame before; return a row for every alarm."""
+        rows = []
+        for verdict in self.judge.verdicts(frame, [step.belief for step in list(self._steps)[-2:]], claimed):
+            episodes = self._episodes.add(claimed, verdict, list(self._steps))
+            self.checks += int(verdict.judged.sum())
+            self.alarms += len(episodes)
+            rows += [_row(claimed, verdict, robot, episode) for robot, episode in episodes.items()]
+        return rows
+
+
+def _row(claimed: Claimed, verdict: Verdict, robot: int, episode: Episode) -> tuple[object, ...]:
+    alarm = verdict.alarms[robot]
+    place = (*alarm.normal.tolist(), alarm.offset, verdict.moved[robot], alarm.time)
+    sources = "; ".join(map(str, alarm.sources))
+    return (verdict.time, f"r{robot}", claimed.name, alarm.distance, *place, episode.number, sources)
+
+
+def write_episodes(path: Path, episodes: Sequence[tuple[Episode, str]]) -> None:
+    """Write a row for every episode."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(EPISODE)
+        for each, behind in episodes:
+            worst = (each.worst.distance, each.worst_time)
+            writer.writerow((each.number, each.trajectory, each.start, each.end, each.poses, *worst, behind))

@@ -7,7 +7,7 @@ proved agrees with PIQP's support; 1 otherwise; 2 for bad input. What came out i
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +18,8 @@ from experiments.follow.frozen import keep_within
 from experiments.follow.metrics import Value, rounded
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import Counting, print_table, show_table, tell
+from experiments.show.terminal import Counting, print_table, show_table, tell, too_short
+from experiments.sweep.own_process import in_own_process
 from experiments.sweep.timing import medians
 from experiments.timed.agreement import Agreement, Shares, agreement_of, shares_of
 from experiments.timed.figures import draw_ratios
@@ -26,6 +27,7 @@ from experiments.timed.grids import draw_grid
 from experiments.timed.ways import POLYTOPE, SEARCH, Problem, by_kernel, ways
 
 AGREED = 1e-8  # [m]
+ENOUGH = 30  # windows timed: with fewer, a busy second of the machine decides
 REPEATS = {"piqp_solve": 5, "highs_warm_solve": 5, "kernel": 3}  # of each way in each window; of the others one
 
 
@@ -66,11 +68,9 @@ def run(options: Options) -> int:
     some = (1, np.inf)
     keep_within(options, windows=some, timed=some, directions=some, robots=(2, np.inf), duration=(0.2, np.inf))
     folder = output_folder(options.out)
-    generator = np.random.default_rng(options.seed)
-    times = timed(options, generator)
-    agreement = agreed(options, generator)
-    shares = {scope: shares_of(options.seed, options.duration, scope) for scope in ("team", "window")}
+    ((times, agreement, shares),) = in_own_process(measured, options)
     summary = summary_of(options, times, agreement, shares)
+    summary["too_short"] = too_short("ratios of times", windows_timed=(options.timed, ENOUGH))
     write_summary(folder, summary)
     draw_ratios(folder, times, options.robots)
     print_ways(times)
@@ -78,6 +78,13 @@ def run(options: Options) -> int:
     if POLYTOPE not in times:
         tell("polytope was left out: it is not installed (pip install '.[bench]')")
     return int(not max(agreement.apart, agreement.above) <= AGREED)
+
+
+def measured(options: Options) -> Iterator[tuple[dict[str, float], Agreement, dict[str, Shares]]]:
+    """Yield, once, the median time of each way [s], how the walk and PIQP agree, and where a step's time goes."""
+    generator = np.random.default_rng(options.seed)
+    times, agreement = timed(options, generator), agreed(options, generator)
+    yield times, agreement, {scope: shares_of(options.seed, options.duration, scope) for scope in ("team", "window")}
 
 
 def drawn(options: Options, generator: np.random.Generator) -> Problem:

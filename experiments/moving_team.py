@@ -1,7 +1,8 @@
 """Does the filter keep a moving team? Follows one in the simulator, or in a log, and checks every robot at every step.
 
-Run `python -m experiments.moving_team --help`. The exit code is the guarantee: 0 only if no position and no heading was ever
-outside what the filter claimed; 1 for an escape or for measurements proved to disagree; 2 for bad input.
+Run `python -m experiments.moving_team --help`. The exit code is the guarantee: 0 only if it was in force all the time, and no
+position and no heading was ever outside what the filter claimed; 1 for one that was outside while it was in force, or for
+measurements proved to disagree; 4 if it was suspended, as the policy "reject" does; 2 for bad input.
 """
 
 from __future__ import annotations
@@ -12,13 +13,15 @@ from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+import numpy as np
+
 from experiments.follow.beside import Beside
 from experiments.follow.metrics import Escapes, Metrics, Value
 from experiments.follow.scenarios import Scenario, from_log
 from experiments.follow.simulated import from_simulator
 from experiments.follow.steps import Contacts, steps, warmed_up
 from experiments.logs import Certificates, LogWriter
-from experiments.show.command import command
+from experiments.show.command import SUSPENDED, command
 from experiments.show.output import Trajectories, output_folder, write_summary
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress, print_table, tell
@@ -40,8 +43,9 @@ SOLVERS = SetMembershipFilter.solvers
 class Options:
     """Follow a moving team in the simulator (or in a log) and check every robot at every step.
 
-    Exit code 0 only if no position and no heading was ever outside what the filter claimed; 1 for an escape or for
-    measurements proved to disagree; 2 for bad input.
+    Exit code 0 only if the guarantee was in force all the time, and no position and no heading was ever outside what the filter
+    claimed; 1 for one that was outside while it was in force, or for measurements proved to disagree; 4 if the guarantee was
+    suspended; 2 for bad input.
     """
 
     robots: int = 6
@@ -67,7 +71,8 @@ class Options:
     out: Path = Path("runs/moving_team")
     """Folder for summary, log, trajectories and recording."""
     policy: Policy = "raise"
-    """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them."""
+    """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
+    is suspended from then on."""
     certificates: bool = False
     """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
     view: bool = False
@@ -114,7 +119,16 @@ def run(options: Options) -> int:
         tell(f"the filter stopped: {conflict}")
     if following.beside.failure:
         tell(f"the EKF's trajectories end early: {following.beside.failure}")
-    return int(following.metrics.escaped or conflict is not None)
+    if following.metrics.suspended is not None:
+        tell(f"the guarantee is {following.metrics.suspended}")
+    return exit_code(following.metrics, conflict is not None)
+
+
+def exit_code(metrics: Metrics, conflict: bool) -> int:
+    """Return what a run was worth: 1 for a broken promise, else `SUSPENDED` if nothing was promised for a while, else 0."""
+    if metrics.broken or conflict:
+        return 1
+    return 0 if metrics.suspended is None else SUSPENDED
 
 
 def scenario_of(options: Options) -> Scenario:
@@ -169,6 +183,7 @@ class Following:
         self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
         self._certificates = Certificates(folder) if options.certificates else None
         self._pictured = -PICTURE_EVERY
+        self._guarantee = "in force"
 
     def run(self, team_filter: SetMembershipFilter) -> str | None:
         """Follow to the end; return None, or what was proved to disagree and stopped the filter.
@@ -197,12 +212,22 @@ class Following:
             self._certificates.write(step.belief)
         for event in step.belief.events:
             self._recording.event(str(event), "WARN")
+        self._warrant(step.belief)
         for words in self._contacts.changes(step.frame):
             self._recording.event(words)
         self._report(escapes)
         if self._picture and step.frame.time - self._pictured >= PICTURE_EVERY - ROUNDING:
             self._recording.image(self._picture())
             self._pictured = step.frame.time
+
+    def _warrant(self, belief: Belief) -> None:
+        """Record where the guarantee is suspended, and that it is, once."""
+        suspended = np.flatnonzero(~belief.guarantee.in_force).tolist()
+        if suspended or self._guarantee != "in force":
+            self._recording.suspended({robot: belief.regions[robot].outer for robot in suspended})
+        if str(belief.guarantee) != self._guarantee:
+            self._guarantee = str(belief.guarantee)
+            self._recording.event(f"guarantee {self._guarantee}", "WARN" if suspended else "INFO")
 
     def _report(self, escapes: Escapes) -> None:
         for what, robots in (("position", escapes.positions), ("heading", escapes.headings)):

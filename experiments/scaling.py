@@ -23,7 +23,7 @@ from experiments.growth.run import measure
 from experiments.growth.size import LEFT_OUT, RATE, Case, Size
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import StepProgress, print_table, show_table, tell
+from experiments.show.terminal import StepProgress, print_table, show_table, tell, too_short
 from experiments.sweep.executors import cores
 from experiments.sweep.own_process import in_own_process
 from filter import PHASES, InvalidInput
@@ -32,6 +32,7 @@ from sim.errors import ErrorKind
 
 MUJOCO_UP_TO = 100  # robots
 STEPS, STEPS_OF_LARGE = 100, 60  # measured by default; the second for teams beyond MuJoCo
+ENOUGH = 50  # steps: with fewer, a busy second of the machine decides
 GROWTH = (100, 1000)  # robots between which growth is told
 LISTED = (  # what the summary has lists of, one entry for each size
     "robots",
@@ -94,6 +95,7 @@ def run(options: Options) -> int:
     asked = sizes[: len(sizes_of(options))]
     listed: dict[str, Value | list[Value]] = {key: [getattr(size, key) for size in asked] for key in LISTED}
     listed |= {f"{name}_median_ms": [size.phases_median_ms[name] for size in asked] for name in PHASES}
+    summary["too_short"] = too_short("ratios of times", steps=(min(size.steps for size in sizes), ENOUGH))
     write_summary(folder, {**summary, **listed})
     draw_scaling(folder, asked)
     print_sizes(sizes)
@@ -160,7 +162,7 @@ def summary_of(options: Options, sizes: Sequence[Size]) -> dict[str, Value]:
     return {
         "seed": options.seed,
         "errors": options.errors,
-        "cores": cores(),
+        "cores": cores(),  # as many threads has the filter; the Kalman filter's linear algebra has one
         "steps_left_out": LEFT_OUT,
         "escapes": sum(size.escapes for size in sizes),
         "conflicts": sum(size.conflict is not None for size in sizes),

@@ -24,11 +24,12 @@ from experiments.optimum.history import TANGENTS
 from experiments.optimum.runs import BUDGETS, DEFAULT, Followed, Optimum, Variant, follow, optimum_at
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import Counting, print_table, show_table, tell
+from experiments.show.terminal import Counting, print_table, show_table, tell, too_short
 from experiments.sweep.executors import executor
 from filter import Array, InvalidInput, Stop
 from sim.errors import ErrorKind
 
+ENOUGH = 20.0  # seconds: what is forgotten costs nothing before there is anything to forget
 SEARCHES = 64  # at most, of an optimum
 
 
@@ -84,6 +85,7 @@ def run(options: Options) -> int:
         tell(f"records exclude one another: {'; '.join(conflicts) or 'the whole history'}")
         return 1
     summary = summary_of(options, runs, optima)
+    summary["too_short"] = too_short("what the budgets and windows cost", seconds=(options.duration, ENOUGH))
     write_summary(folder, summary)
     draw_over_time(folder, runs, optima, options.rate)
     if not options.alone:

@@ -3,8 +3,8 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, team, linear/, sensing/,
-projection/, sets/, robust/, follow, ekf, watch, warm_up.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, team, guarantee, linear/,
+sensing/, projection/, sets/, robust/, follow, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
@@ -13,6 +13,7 @@ from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, O
 from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Mistimed, Step, follow
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Frame, Measurement, Odometry, Range, Truth
 from filter.projection.fallback import Fallback
@@ -34,7 +35,7 @@ __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Range", "T
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "follow", "warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
-__all__ += ["Alarm", "Belief", "Event", "Fallback", "Proof", "Region", "Regions", "Rejected", "Source"]
+__all__ += ["Alarm", "Belief", "Event", "Fallback", "Guarantee", "Proof", "Region", "Regions", "Rejected", "Source"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]

@@ -16,6 +16,7 @@ from filter.arrays import Array, Frozen, checked, finite, instance, positive, se
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.measurements import BELOW_1, TIME, Bearing, Compass, Measurement, Odometry
 from filter.team import Team
 
@@ -23,6 +24,8 @@ STATES = 3  # x, y, heading
 UNIFORM = 1 / np.sqrt(3)  # standard deviation of a uniform error, relative to its bound
 MOST_OVER_BOUND = 1e6  # a larger deviation over a bound is a slip
 NEAREST = 1e-6  # nearer than this no target has a direction [m]
+FINEST = 1e-15  # no deviation of a reading counts as smaller [m], [rad], ...
+ROUNDING = 2.0**-42  # ... and no variance as a smaller share of the one that the belief expects of the reading
 QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no belief: that is an error of ours
 
 
@@ -75,6 +78,12 @@ class GaussianBelief(Frozen):
             raise InvalidInput("a mean (n, 3) and a covariance (3n, 3n)", f"shapes {mean} and {covariance}")
 
     @property
+    def guarantee(self) -> Guarantee:
+        """There never is one."""
+        robots = len(self.mean)
+        return Guarantee(np.full(robots, -np.inf), ("it holds with a probability, if the noise model is right",) * robots)
+
+    @property
     def position_covariances(self) -> Array:
         """(n, 2, 2) of each robot's position [m2]."""
         n = len(self.mean)
@@ -98,6 +107,10 @@ class GaussianBelief(Frozen):
 class ExtendedKalmanFilter(Frozen):
     """The joint extended Kalman filter of a team: a `Filter`, which also refuses what is too large to be weighed.
 
+    A reading whose declared bound is zero, or finer than doubles can tell beside what is known, counts as exact as they can:
+    its variance is no less than a thousand roundings of the variance that the belief expects of it, so that covariances stay
+    positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing.
+
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
     Attributes:
@@ -111,7 +124,9 @@ class ExtendedKalmanFilter(Frozen):
     noise: NoiseModel = field(default_factory=NoiseModel, metadata=checked(instance, "noise", NoiseModel))
     gate: float | None = field(default=None, metadata=checked(positive, "gate quantile", BELOW_1, optional=True))
 
-    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> GaussianBelief:
+    def start(
+        self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None
+    ) -> GaussianBelief:
         """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets."""
         polygons, arcs = self.team.initial(positions, headings)
         corners = np.array([polygon.bounds for polygon in polygons])
@@ -160,17 +175,24 @@ class ExtendedKalmanFilter(Frozen):
     @QUIET
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
+        known = np.abs(H) @ np.sqrt(np.abs(np.diagonal(belief.covariance)))
+        variance = np.maximum(variance, FINEST**2 + ROUNDING * known**2)
         if self.gate is not None:
             spread = np.einsum("ki,ij,kj->k", H, belief.covariance, H) + variance
-            sizes = np.abs(innovation) / np.sqrt(np.maximum(2 * spread, np.finfo(float).tiny))
+            sizes = np.abs(innovation) / np.sqrt(2 * np.maximum(spread, variance))
             kept = np.array([erfc(size) for size in sizes]) >= 1 - self.gate
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
         rejected, P = belief.rejected + len(record.robot) - len(innovation), belief.covariance
-        K = _solved(H @ P @ H.T + np.diag(variance), H @ P).T
+        try:
+            K = np.linalg.solve(H @ P @ H.T + np.diag(variance), H @ P).T
+        except np.linalg.LinAlgError:
+            raise InvalidInput("a covariance without negative variances", "one in which readings have no spread") from None
         mean = belief.mean + (K @ innovation).reshape(-1, STATES)
         mean[:, 2] = wrap(mean[:, 2])
         keep = np.eye(len(P)) - K @ H
-        covariance = keep @ P @ keep.T + (K * variance) @ K.T  # Joseph's form: stays positive
+        covariance = keep @ P @ keep.T + (K * variance) @ K.T  # Joseph's form: stays positive, ...
+        gone = np.diagonal(covariance) <= 0  # ... but for rounding: so little is left that it is none
+        covariance[gone], covariance[:, gone] = 0, 0
         return GaussianBelief(belief.time, mean, (covariance + covariance.T) / 2, rejected)
 
     def _linearised(self, belief: GaussianBelief, record: Measurement) -> tuple[Array, Array, Array]:
@@ -194,16 +216,9 @@ class ExtendedKalmanFilter(Frozen):
             slope, innovation = towards, record.range - distance
             # At the predicted distances: at the measured ones, short readings would weigh more.
             variance = (self.noise.range * (record.bound + record.relative_bound * distance)) ** 2
+        H[distance <= NEAREST] = slope[distance <= NEAREST] = 0
         moving = np.flatnonzero(record.target < self.team.robots)
         for axis in range(2):
             H[rows, STATES * robot + axis] -= slope[:, axis]
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
-
-
-def _solved(S: Array, right: Array) -> Array:
-    """Return S^-1 right; of what is known without any error, more than once, the part that is no contradiction."""
-    try:
-        return np.asarray(np.linalg.solve(S, right))
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.pinv(S, hermitian=True) @ right)

@@ -25,14 +25,14 @@ AnyBelief = TypeVar("AnyBelief", bound=Timed)
 
 @runtime_checkable
 class Filter(Protocol[AnyBelief]):
-    """What every filter can do: a belief goes in, stays as it is, and a new belief comes out."""
+    """What every filter can do: a belief goes in, stays as it is, and a new one comes out; its `guarantee` says what holds."""
 
-    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> AnyBelief:
+    def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> AnyBelief:
         """Return the belief before any measurement.
 
         Args:
             time: When [s].
-            positions: (n) a polygon around each robot; a point anchors it.
+            positions: (n) a polygon around each robot; a point anchors it, None stands for the team's arena.
             headings: (n) arcs around the headings, or None when nothing is known.
 
         Raises:

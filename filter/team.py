@@ -84,18 +84,20 @@ class Team(Frozen):
                 raise InvalidInput(f"a {role} among {known}", f"{role} {named[named >= count][0]}")
 
     def initial(
-        self, positions: Iterable[Polygon], headings: AngularIntervals | None
+        self, positions: Iterable[Polygon | None], headings: AngularIntervals | None
     ) -> tuple[tuple[Polygon, ...], AngularIntervals]:
-        """Return (n) polygons and arcs (None: whole circles); `InvalidInput` unless there is one for each robot, none empty."""
+        """Return (n) polygons and arcs, for None the arena and circles; `InvalidInput` unless there is one for each robot."""
         expected = f"one initial polygon for each of {self.robots} robots"
-        polygons = several(f"a sequence with {expected}", positions, Polygon)
+        polygons = several(f"a sequence with {expected}", positions, Polygon, type(None))
         if len(polygons) != self.robots:
             raise InvalidInput(expected, f"{len(polygons)} polygons")
         instance("initial headings, arcs with centres and bounds [rad]", headings, AngularIntervals, type(None))
         known = AngularIntervals.circles(self.robots) if headings is None else headings
         if len(known) != self.robots or known.empty.any():
             raise InvalidInput(f"an initial arc for each of {self.robots} headings, none empty", f"{len(known)} arcs")
-        return polygons, known
+        if None in polygons and np.isinf(self.arena).any():
+            raise InvalidInput("a closed arena, for which None stands as an initial polygon", shown(self.arena.tolist()))
+        return tuple(Polygon.box(*self.arena) if polygon is None else polygon for polygon in polygons), known
 
     def check_motion(self, belief_time: float, time: float, odometry: Odometry | None) -> float:
         """Return the time to predict as a float [s]; raises what `Filter.predict` does, and `InvalidInput` if it is too far."""

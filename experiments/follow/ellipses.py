@@ -20,17 +20,19 @@ USUAL, WIDE = 0.95, 0.997  # what the ellipses are said to contain
 WIDE_SIZE = float(chi2.ppf(WIDE, DIMENSION))
 USUAL_SIZE = float(chi2.ppf(USUAL, DIMENSION))
 WIDE_ANGLE = float(np.sqrt(chi2.ppf(WIDE, 1)))
+THINNEST = 1e-15  # deviation of what is said to be known exactly [m]
 PAIRS_EVERY = 10  # steps between two looks at relative positions: each needs searches of its own
 
 
 def normalised_squares(errors: Array, covariances: Array) -> Array:
     """Return (k,) e' P^-1 e of errors (k, 2) [m] with covariances (k, 2, 2) [m2]; expected are 2 of a consistent filter."""
-    return np.asarray(np.einsum("ki,ki->k", errors, np.linalg.solve(covariances, errors[..., None])[..., 0]))
+    variances, axes = np.linalg.eigh(covariances)
+    return np.asarray((np.einsum("kij,ki->kj", axes, errors) ** 2 / np.maximum(variances, THINNEST**2)).sum(axis=1))
 
 
 def ellipse_areas(covariances: Array, size: float = WIDE_SIZE) -> Array:
     """Return (k,) areas of ellipses e' P^-1 e <= size of covariances (k, 2, 2) [m2]."""
-    return np.asarray(np.pi * size * np.sqrt(np.linalg.det(covariances)))
+    return np.asarray(np.pi * size * np.sqrt(np.maximum(np.linalg.det(covariances), 0)))
 
 
 def outside(belief: Belief, positions: Array) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter import Belief, Fallback, Frame, Rejected, Truth
+from filter import Belief, Fallback, Frame, Guarantee, Rejected, Truth
 
 Value = float | int | str | bool | None
 DIGITS = 6  # significant ones in a summary, of means and times; counts are exact
@@ -41,6 +41,8 @@ class Metrics:
         escapes: Positions outside their outer polygon.
         heading_checks: Headings that were checked.
         heading_escapes: Headings outside their interval.
+        escapes_in_force: Those of both for which the guarantee was said to be in force: broken promises.
+        suspended: The guarantee as it was when it first was not in force for every robot; None for never.
         measurements: Numbers that were measured and merged: a compass reading, a bearing or a range counts one each.
         rows_max: Greatest number of constraints of a belief.
         rejected: Measurements that were dropped for others to agree.
@@ -52,6 +54,8 @@ class Metrics:
     escapes: int = 0
     heading_checks: int = 0
     heading_escapes: int = 0
+    escapes_in_force: int = 0
+    suspended: Guarantee | None = None
     measurements: int = 0
     rows_max: int = 0
     rejected: int = 0
@@ -74,6 +78,8 @@ class Metrics:
             Who escaped at this step.
         """
         self.steps += 1
+        if self.suspended is None and not belief.guarantee.in_force.all():
+            self.suspended = belief.guarantee
         self.measurements += sum(len(record.robot) for record in frame.measurements)
         self.rows_max = max(self.rows_max, len(belief.constraints))
         self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
@@ -94,12 +100,13 @@ class Metrics:
         self.heading_checks += len(within)
         self.escapes += len(escaped)
         self.heading_escapes += len(turned)
+        self.escapes_in_force += sum(bool(belief.guarantee.in_force[robot]) for robot in (*escaped, *turned))
         return Escapes(escaped, turned)
 
     @property
-    def escaped(self) -> bool:
-        """Whether any position or heading has ever escaped."""
-        return self.escapes + self.heading_escapes > 0
+    def broken(self) -> bool:
+        """Whether any position or heading has escaped while the guarantee was said to be in force."""
+        return self.escapes_in_force > 0
 
     def summary(self) -> dict[str, Value]:
         """Return flat values with units in their names; None for what nothing is known of, as in windows from inside."""
@@ -109,6 +116,8 @@ class Metrics:
             "escapes": self.escapes,
             "heading_checks": self.heading_checks,
             "heading_escapes": self.heading_escapes,
+            "escapes_in_force": self.escapes_in_force,
+            **guarantee_summary(self.suspended),
             "measurements": self.measurements,
             "rejected": self.rejected,
             "solver_fallbacks": self.fallbacks,
@@ -122,6 +131,16 @@ class Metrics:
             "step_p95_ms": _quantile(self._seconds, 0.95, 1e3),
             "point_rmse_m": rounded(float(np.sqrt(np.mean(self._square_errors)))) if self._square_errors else None,
         }
+
+
+def guarantee_summary(suspended: Guarantee | None) -> dict[str, Value]:
+    """Return whether a guarantee was in force all the time, or since when it first was not, and why; None for all the time."""
+    since = None if suspended is None else float(suspended.suspended_since.min())
+    return {
+        "guarantee_in_force": suspended is None,
+        "guarantee_suspended_since_s": since if since is None or np.isfinite(since) else None,
+        "guarantee_suspended_because": None if suspended is None else str(suspended),
+    }
 
 
 def rounded(value: float) -> float:

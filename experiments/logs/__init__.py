@@ -3,6 +3,7 @@
 from experiments.logs.certificates import Certificates
 from experiments.logs.log import InvalidLog, LogReader, LogWriter
 from experiments.logs.records import Header, InitialSet, first_belief, initial_headings
+from experiments.logs.text import TextFile
 from experiments.logs.tum import Trajectory, find_trajectories, read_trajectory, tum_line
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "InvalidLog",
     "LogReader",
     "LogWriter",
+    "TextFile",
     "Trajectory",
     "find_trajectories",
     "first_belief",

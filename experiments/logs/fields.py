@@ -13,7 +13,7 @@ from filter.arrays import finite
 
 
 def _no_number(text: str) -> NoReturn:
-    raise InvalidInput("finite numbers", text)
+    raise InvalidInput("finite numbers (leave out what was not measured)", text)
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -34,14 +34,15 @@ class Fields:
     @classmethod
     def parse(cls, line: bytes) -> Fields:
         """Return the fields of a line of a log."""
-        if not line.endswith(b"\n"):
-            raise InvalidInput("a whole line", "a truncated one: it has no line end")
         try:
             value = json.loads(line.decode(), parse_constant=_no_number, object_pairs_hook=_object)
         except InvalidInput:
             raise
         except (ValueError, RecursionError):
-            raise InvalidInput("a JSON object", shortened(line.decode(errors="replace").strip())) from None
+            came = shortened(line.decode(errors="replace").strip())
+            if not line.endswith(b"\n"):  # a whole object ends with its brace, line end or not
+                raise InvalidInput("a whole line", f"a truncated one: {came}") from None
+            raise InvalidInput("a JSON object", came) from None
         if not isinstance(value, dict):
             raise InvalidInput("a JSON object", shortened(value))
         kind = value.pop("record", None)
@@ -83,6 +84,12 @@ class Fields:
         """Take a number or null."""
         value = self._take(name)
         return None if value is None else self._numbers(name, value, 0).item()
+
+    def points_or_none(self, name: str) -> Array | None:
+        """Take a (k, 2) list of points, or null."""
+        if self._fields.get(name, ()) is None:
+            return self._take(name)
+        return self.points(name)
 
     def points(self, name: str, unknown: float | None = None) -> Array:
         """Take a (k, 2) list of points; with `unknown`, null stands for that coordinate."""

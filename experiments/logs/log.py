@@ -26,6 +26,7 @@ from experiments.logs.records import (
     read_odometry,
     read_truth,
 )
+from experiments.logs.text import TextFile
 from filter import Frame, InvalidInput, Measurement, Odometry, Truth
 
 
@@ -94,6 +95,8 @@ class LogReader:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        with self._readable():
+            self._file = TextFile(path)
         lines = self._lines()
         self._head, record = next(lines)
         with self._located(self._head):
@@ -133,18 +136,25 @@ class LogReader:
             gathering.end()
 
     def _lines(self) -> Iterator[tuple[int, Fields]]:
-        """Yield each line's number and fields."""
-        line = 0
-        try:
-            with self.path.open("rb") as file:
-                for line, text in enumerate(file, 1):
+        """Yield each line's number and fields; blank lines say nothing."""
+        nothing = True
+        with self._readable():
+            for line, text in enumerate(self._file.lines(), 1):
+                if not text.isspace():
                     with self._located(line):
                         fields = Fields.parse(text)
+                    nothing = False
                     yield line, fields
+        if nothing:
+            raise InvalidLog(self.path, 0, "a log with a header", "an empty file")
+
+    @contextmanager
+    def _readable(self) -> Iterator[None]:
+        """Give an error of the file its place."""
+        try:
+            yield
         except OSError as error:
             raise InvalidLog(self.path, 0, "a readable log", error.strerror) from None
-        if line == 0:
-            raise InvalidLog(self.path, 0, "a log with a header", "an empty file")
 
     @contextmanager
     def _located(self, line: int) -> Iterator[None]:

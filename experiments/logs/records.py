@@ -39,26 +39,27 @@ class InitialSet:
     """What is known of one robot at the start.
 
     Attributes:
-        vertices: (e, 2) points; their convex hull contains the robot [m].
+        vertices: (e, 2) points; their convex hull contains the robot [m]. None: it is anywhere in the arena.
         heading: (centre, bound) of the interval that contains its heading [rad], or None: nothing is known.
 
     Raises:
         InvalidInput: There is no vertex, or a value is not finite or out of its range.
     """
 
-    vertices: Array
+    vertices: Array | None = None
     heading: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", read_only(finite("vertices [m]", self.vertices)))
+        if self.vertices is not None:
+            object.__setattr__(self, "vertices", read_only(finite("vertices [m]", self.vertices)))
         if self.heading is not None:
             finite("heading [rad]", self.heading)
             finite("heading bound [rad]", self.heading[1], 0, np.pi)
         self.polygon()
 
-    def polygon(self) -> Polygon:
-        """Return the polygon."""
-        return Polygon.from_vertices(self.vertices)
+    def polygon(self) -> Polygon | None:
+        """Return the polygon, or None for the arena, as filters take it."""
+        return None if self.vertices is None else Polygon.from_vertices(self.vertices)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +96,8 @@ class Header:
 def initial_record(robot: int, known: InitialSet) -> dict[str, Any]:
     """Return the record of one robot's initial set."""
     heading = None if known.heading is None else {"centre": float(known.heading[0]), "bound": float(known.heading[1])}
-    return {"record": "initial", "robot": robot, "vertices": known.vertices.tolist(), "heading": heading}
+    vertices = None if known.vertices is None else known.vertices.tolist()
+    return {"record": "initial", "robot": robot, "vertices": vertices, "heading": heading}
 
 
 def frame_records(frame: Frame, robots: int) -> list[dict[str, Any]]:
@@ -180,7 +182,7 @@ def read_initial(record: Fields, team: Team, known: Collection[int]) -> tuple[in
         raise InvalidInput(f"robot: whole numbers from 0 to {team.robots - 1}", repr(robot))
     if robot in known:
         raise InvalidInput("one initial set a robot", f"robot {robot} again")
-    vertices, interval = record.points("vertices"), record.object("heading")
+    vertices, interval = record.points_or_none("vertices"), record.object("heading")
     record.end()
     if interval is None:
         return robot, InitialSet(vertices)

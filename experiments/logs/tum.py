@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.logs.text import TextFile
 from filter import Array, InvalidInput
 from filter.arrays import read_only
 
@@ -39,12 +40,12 @@ def read_trajectory(path: Path) -> Trajectory:
         InvalidInput: The file cannot be read, has no pose, or a line is none; or time does not advance.
     """
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = [line.decode().strip() for line in TextFile(path).lines()]
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidInput("a readable TUM file", f"{path}: {error}") from None
     poses = []
     for number, line in enumerate(lines, 1):
-        if line.strip() and not line.lstrip().startswith("#"):
+        if line and not line.startswith("#"):
             poses.append(_pose(path, number, line))
             if len(poses) > 1 and poses[-1][0] <= poses[-2][0]:
                 raise InvalidInput(f"{path}, line {number}: a time after {poses[-2][0]!r} s", f"{poses[-1][0]!r} s")

@@ -3,6 +3,7 @@
 import gzip
 import json
 from fractions import Fraction
+from itertools import product
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,8 @@ class Log:
         self.header: Record = records[0]
         robots = self.header["robots"]
         initial = sorted(records[1 : robots + 1], key=lambda record: record["robot"])
-        self.vertices = [[(Fraction(x), Fraction(y)) for x, y in record["vertices"]] for record in initial]
+        arena = list(product(*zip(*self.header["arena"], strict=True)))
+        self.vertices = [[(Fraction(x), Fraction(y)) for x, y in record["vertices"] or arena] for record in initial]
         known = [record["heading"] or {"centre": 0.0, "bound": pi} for record in initial]
         self.headings: dict[float | None, list[Arc]] = {None: [_arc(one["centre"], one["bound"]) for one in known]}
         self.frames: dict[float, list[Record]] = {}

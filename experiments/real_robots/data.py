@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from experiments.follow.frozen import freeze
+from experiments.logs import TextFile
 from filter import Array, InvalidInput
 
 ODOMETRY = re.compile(r"Robot(\d+)_Odometry\.dat")
@@ -188,7 +189,7 @@ def _table(path: Path, columns: int, whole: bool = False) -> tuple[Array, int]:
         whole: The file was not logged but written at once: a last line without an end is whole if it has all its numbers.
     """
     try:
-        lines = path.read_bytes().decode("ascii", errors="replace").splitlines(keepends=True)
+        lines = [line.decode("ascii", errors="replace") for line in TextFile(path).lines()]
     except OSError as error:
         raise InvalidInput("a readable file", f"{path}: {error.strerror}") from None
     cut = bool(lines) and _cut(lines[-1], columns, whole)

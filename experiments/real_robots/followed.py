@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import tee
 from time import perf_counter
@@ -20,6 +20,7 @@ from filter import (
     Belief,
     Distrusted,
     Frame,
+    Guarantee,
     Inconsistent,
     Late,
     Mask,
@@ -27,6 +28,7 @@ from filter import (
     Region,
     Rejected,
     Restarted,
+    RobustEvent,
     RobustFilter,
     SetMembershipFilter,
     Source,
@@ -43,7 +45,8 @@ class Followed:
     Attributes:
         frame: What it was given.
         belief: What it knows now.
-        suspended: (n,) True for a robot whose region is not guaranteed now.
+        guarantee: For which robots what it knows is guaranteed, or since when and why it is not.
+        lapsed: The same with what turned out at this frame: for a robot that has started over, that it was suspended until now.
         silent: (n,) True for a robot whose commands have stopped: nothing is known of its motion.
         rejected: The measurements that were turned away at this frame.
         resets: How many robots were started over at this frame.
@@ -54,13 +57,19 @@ class Followed:
 
     frame: Frame
     belief: Located
-    suspended: Mask
+    guarantee: Guarantee
+    lapsed: Guarantee
     silent: Mask
     rejected: tuple[Source, ...]
     resets: int
     put_aside: tuple[str, ...]
     events: tuple[str, ...]
     seconds: float
+
+    @property
+    def suspended(self) -> Mask:
+        """(n,) True for a robot whose region is not guaranteed now."""
+        return ~self.guarantee.in_force
 
 
 def team_filter(scenario: Scenario, motions: Motions) -> Iterator[Followed]:
@@ -89,7 +98,17 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
         words = tuple(map(str, events))
         aside = tuple(named(event, scenario.team) for event in doubted)
         silent = ~np.isin(np.arange(scenario.team.robots), [] if told.odometry is None else told.odometry.robot)
-        yield Followed(frame, located, ~belief.in_force, silent, rejected, resets, aside, words, step.seconds)
+        guarantees = belief.guarantee, lapsed(belief.guarantee, events)
+        yield Followed(frame, located, *guarantees, silent, rejected, resets, aside, words, step.seconds)
+
+
+def lapsed(guarantee: Guarantee, events: Sequence[RobustEvent]) -> Guarantee:
+    """Return the guarantee as it was until now of robots that have started over, and as it is now of the others."""
+    restarts = {event.robot: event for event in events if isinstance(event, Restarted)}
+    since, because = guarantee.suspended_since.copy(), list(guarantee.because)
+    for robot, event in restarts.items():
+        since[robot], because[robot] = event.suspended_since, event.because
+    return Guarantee(since, tuple(because))
 
 
 def named(event: Distrusted | Turned | Late, team: Team) -> str:
@@ -121,16 +140,15 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
     warmed_up()
     plain = SetMembershipFilter(scenario.team, policy="reject")
     belief = first_belief(plain, scenario.header, scenario.initial)
-    suspended = np.zeros(scenario.team.robots, dtype=bool)
+    silent = np.zeros(scenario.team.robots, dtype=bool)  # its bounds of motion say so themselves
     for frame in scenario.frames:
         begin = perf_counter()
         belief, conflict = _stepped(plain, belief, frame)
         rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
-        suspended = np.full(len(suspended), (bool(rejected) or bool(suspended.any())) and conflict is None)
         words = (*map(str, belief.events), *([f"started over: {conflict}"] if conflict else []))
-        resets = len(suspended) if conflict else 0
-        silent = np.zeros(len(suspended), dtype=bool)  # its bounds of motion say so themselves
-        yield Followed(frame, belief, suspended, silent, rejected, resets, (), words, perf_counter() - begin)
+        resets = len(silent) if conflict else 0
+        guarantees = belief.guarantee, belief.guarantee.suspended(frame.time, str(conflict)) if conflict else belief.guarantee
+        yield Followed(frame, belief, *guarantees, silent, rejected, resets, (), words, perf_counter() - begin)
 
 
 def _stepped(plain: SetMembershipFilter, belief: Belief, frame: Frame) -> tuple[Belief, Inconsistent | None]:

@@ -14,7 +14,7 @@ from experiments.follow.ellipses import WIDE_SIZE, ellipse_areas, normalised_squ
 from experiments.follow.frozen import freeze
 from experiments.follow.metrics import Value, rounded
 from experiments.real_robots.followed import Followed
-from filter import Array, Bearing, Frame, GaussianBelief, Integers, Mask
+from filter import Array, Bearing, Frame, GaussianBelief, Guarantee, Integers, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +63,13 @@ class Tally:
         start: When the run starts [s].
         resets: How many robots were started over so far.
         put_aside: Which sensors were found wrong so far, and when.
+        suspended: The guarantee as it was when it first was suspended for some robot; None for never.
     """
 
     start: float
     resets: int = 0
     put_aside: list[str] = field(default_factory=list)
+    suspended: Guarantee | None = None
     _rows: list[dict[str, object]] = field(default_factory=list)
 
     def add(self, step: Followed, estimate: GaussianBelief) -> Escaped:
@@ -80,6 +82,8 @@ class Tally:
         turned = step.belief.headings.contains(headings) | ~known
         centroids = np.array([outer.centroid for outer in outers])
         self.resets += step.resets
+        if self.suspended is None and not step.lapsed.in_force.all():
+            self.suspended = step.lapsed
         self.put_aside += [f"{name} at {step.frame.time - self.start:.1f} s" for name in step.put_aside]
         self._rows.append(
             {

@@ -15,8 +15,8 @@ from filter import CorralError
 
 Options = TypeVar("Options")
 
-# Exit codes; 0 and 1 are the experiment's own: what it guarantees held, or did not.
-BAD_INPUT, CANNOT_WRITE, STOPPED = 2, 3, 130
+# Exit codes; 0, 1 and SUSPENDED are the experiment's own: its guarantee held, was broken, or was suspended for a while.
+BAD_INPUT, CANNOT_WRITE, SUSPENDED, STOPPED = 2, 3, 4, 130
 
 
 def command(

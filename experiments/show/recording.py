@@ -127,7 +127,9 @@ class Recording:
             covariances: (n, 2, 2) [m2].
             size: Quantile of the chi-square distribution with two degrees of freedom.
         """
-        for robot, (mean, root) in enumerate(zip(means, np.linalg.cholesky(covariances), strict=True)):
+        variances, axes = np.linalg.eigh(covariances)
+        roots = axes * np.sqrt(np.maximum(variances, 0))[:, None]  # an estimate may be exact: a point
+        for robot, (mean, root) in enumerate(zip(means, roots, strict=True)):
             path = f"/world/ellipse/{self._drawing.team.name(robot)}"
             self._style_once(path, rr.LineStrips3D.from_fields(colors=ELLIPSE, radii=ui_points(1.6)))
             line = mean + np.sqrt(size) * CIRCLE @ root.T

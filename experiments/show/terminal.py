@@ -35,6 +35,23 @@ def tell(message: str) -> None:
         Terminal(stderr=True).print(message, markup=False, highlight=False, soft_wrap=True)
 
 
+def too_short(what: str, **counts: tuple[float, float]) -> bool:
+    """Return whether a comparison rests on too little, and warn on stderr if so: it may say the opposite of a longer one.
+
+    Args:
+        what: What is compared.
+        counts: For each kind of thing that it rests on, how many there were, and how many are enough.
+    """
+    few = [
+        f"{things.replace('_', ' ')}: {came:g}, where {enough:g} are enough"
+        for things, (came, enough) in counts.items()
+        if came < enough
+    ]
+    if few:
+        tell(f"warning: too short to compare ({'; '.join(few)}): {what} can come out the other way in longer runs")
+    return bool(few)
+
+
 def print_table(title: str, values: Mapping[str, Value]) -> None:
     """Print a table of names and values to stdout."""
     table = Table("quantity", "value", title=title, title_justify="left")

@@ -9,12 +9,10 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
 
-from experiments.sweep.own_process import end_with_parent
+from experiments.sweep.own_process import end_with_parent, one_thread
 from filter import CorralError, InvalidInput
 from filter.arrays import whole
 
-# One thread a worker: as many workers as cores, and sums always in the same order.
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1")
 PATIENCE = "10s"  # that a scheduler may take to answer
 
 
@@ -49,15 +47,12 @@ def executor(workers: int | None = None, scheduler: str | None = None) -> Iterat
 @contextmanager
 def _local(workers: int | None) -> Iterator[Executor]:
     count = cores() if workers is None else int(whole("number of workers", workers, low=1))
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ |= ONE_THREAD  # inherited by the workers, which read it as they start
-    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
-        for name, value in before.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})
+    with one_thread():  # inherited by the workers, as many as cores
+        pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
+        try:
+            yield pool
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 @contextmanager

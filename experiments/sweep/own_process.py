@@ -9,6 +9,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -23,10 +24,25 @@ STATUS = Path("/proc/self/status")
 # What getrusage counts in: kibibytes, but for macOS.
 MEMORY_UNIT = 1 if sys.platform == "darwin" else 1024
 MEBIBYTE = 2**20
+# Linear algebra reads how many threads it may have as it is loaded. With several, small products wait for one another on a busy
+# machine: what is mostly products, as a Kalman filter is, then seems many times slower than it is.
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1")
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let the linear algebra of processes that are started within have one thread: times compare, sums keep their order."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ |= ONE_THREAD
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
 def in_own_process(generator: Callable[[Argument], Iterator[Told]], argument: Argument) -> Iterator[Told]:
-    """Yield what a generator yields that runs in a new process; it ends with this one.
+    """Yield what a generator yields that runs in a new process, its linear algebra in one thread; it ends with this one.
 
     Args:
         generator: A function of a module, as the process imports it; what it yields is pickled.
@@ -38,7 +54,8 @@ def in_own_process(generator: Callable[[Argument], Iterator[Told]], argument: Ar
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe(duplex=False)
     process = context.Process(target=_tell, args=(generator, argument, there), daemon=True)
-    process.start()
+    with one_thread():
+        process.start()
     there.close()
     try:
         yield from _told(here)

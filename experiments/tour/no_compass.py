@@ -41,7 +41,7 @@ def main(seed: int = 0) -> int:
     inside = True
     for step, place in zip(follow(filter_, belief, frames), places, strict=True):
         belief, region = step.belief, step.belief.regions[0].outer
-        inside &= bool(region.contains(place) or not belief.in_force[0])
+        inside &= bool(region.contains(place) or not belief.guarantee.in_force[0])
         heading = np.degrees(belief.headings.bound[0])
         if belief.time % 2 == 0 or belief.events:
             print(f"{belief.time:4.1f} s: {region.area:6.2f} m2, heading to {heading:.0f} degrees", *belief.events, sep="\n  ")

@@ -5,8 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask
+from filter.arrays import Array, Frozen
 from filter.geometry.angles import AngularIntervals
+from filter.guarantee import Guarantee
 from filter.linear.sources import Source
 from filter.robust.cameras import Offsets
 from filter.robust.hypotheses import Hypotheses, polygon_of
@@ -41,17 +42,17 @@ class Restarted:
     Attributes:
         time: When [s].
         robot: Which one.
-        doubtful_since: The guarantee for it was suspended from then to now [s].
+        suspended_since: The guarantee for it was suspended from then to now [s].
         because: What was rejected, or put aside.
     """
 
     time: float
     robot: int
-    doubtful_since: float
+    suspended_since: float
     because: str
 
     def __str__(self) -> str:
-        return f"robot {self.robot} starts over, doubtful since {self.doubtful_since:.3f} s: {self.because}"
+        return f"robot {self.robot} starts over, guarantee suspended since {self.suspended_since:.3f} s: {self.because}"
 
 
 @dataclass(frozen=True)
@@ -158,8 +159,7 @@ class RobustBelief(Frozen):
         votes: The votes so far.
         trust: Which sensors are put aside.
         offsets: What is suspected of the cameras; statistical evidence.
-        doubtful_since: (n,) since when the guarantee for a robot is suspended [s]; infinite where it is in force.
-        suspended: (n,) when it last was [s]; -inf for never.
+        guarantee: Suspended for a robot while it is in doubt, until the doubt is gone or the robot starts over.
         disputed: (n,) when votes on a robot were last rejected, disagreed, or were forgotten [s]; -inf for never.
         events: What happened in the last prediction or update.
     """
@@ -169,15 +169,9 @@ class RobustBelief(Frozen):
     votes: Votes
     trust: Trust
     offsets: Offsets
-    doubtful_since: Array
-    suspended: Array
+    guarantee: Guarantee
     disputed: Array
     events: tuple[RobustEvent, ...] = ()
-
-    @property
-    def in_force(self) -> Mask:
-        """(n,) whether the guarantee is in force for each robot."""
-        return np.isinf(self.doubtful_since)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:

@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from filter.arrays import Array, Mask
+from filter.guarantee import Guarantee
 from filter.linear.sources import Source
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment, Offsets
@@ -24,6 +25,8 @@ from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Poll, Rules
 from filter.sets.belief import Rejected
 from filter.team import Team
+
+CONTESTED, ON_TRIAL = "several votes on it are being rejected", "its late camera is on trial"  # why a guarantee is suspended
 
 
 class Merging:
@@ -36,8 +39,7 @@ class Merging:
         self._poll = Poll(before.sets, before.votes, before.time, rules, cells)
         self._judged: list[tuple[int, int, bool]] = []
         self._events: list[RobustEvent] = []
-        times = before.doubtful_since, before.suspended, before.disputed
-        self._doubtful, self._suspended, self._disputed = map(np.copy, times)
+        self._since, self._disputed = map(np.copy, (before.guarantee.suspended_since, before.disputed))
 
     def left(self) -> RobustBelief:
         """Return the new belief after a move, in which something agrees with every vote: slices outside the arena are gone.
@@ -89,7 +91,7 @@ class Merging:
 
     def _relied_on(self, robot: int) -> bool:
         """Return whether others may rely on a robot's region: nothing was rejected or disagreed there for a window's length."""
-        return bool(self._before.in_force[robot] and self._time - self._disputed[robot] > self._rules.window)
+        return bool(self._before.guarantee.in_force[robot] and self._time - self._disputed[robot] > self._rules.window)
 
     def _others(self, robot: int, target: int, sector: Array) -> list[int]:
         """Return the team mates, besides the one that a barcode names, that can have been seen in a sector."""
@@ -151,11 +153,11 @@ class Merging:
         for robot in np.flatnonzero(late).tolist():
             misled |= self._misled("camera", "robot", robot, self._time) & ~late
         since, lost = self._poll.contested()
-        doubtful = np.where(np.isfinite(since), np.minimum(before.doubtful_since, since), np.inf)
-        doubtful = np.where(offsets.on_trial, np.minimum(before.doubtful_since, self._time), doubtful)
-        doubtful = np.where(turned, np.minimum(doubtful, offsets.good_until[:, 0]), doubtful)
-        self._doubtful = np.where(late, np.minimum(doubtful, offsets.good_until[:, 1]), doubtful)
-        self._suspended[np.isfinite(self._doubtful)] = self._time
+        earlier = before.guarantee.suspended_since
+        begun = np.where(np.isfinite(since), np.minimum(earlier, since), np.inf)
+        begun = np.where(offsets.on_trial, np.minimum(earlier, self._time), begun)
+        begun = np.where(turned, np.minimum(begun, offsets.good_until[:, 0]), begun)
+        self._since = np.where(late, np.minimum(begun, offsets.good_until[:, 1]), begun)
         reasons = {
             "it is lost": lost,
             "it was misled": misled,
@@ -173,7 +175,8 @@ class Merging:
     def _told(self, belief: RobustBelief) -> RobustBelief:
         """Return a belief with the sets, the votes and the events as they are now."""
         after = replace(belief, sets=tuple(self._poll.sets), votes=self._poll.votes, events=tuple(self._events))
-        return replace(after, doubtful_since=self._doubtful, suspended=self._suspended, disputed=self._disputed)
+        reasons = np.where(np.isinf(self._since), "", np.where(belief.offsets.on_trial, ON_TRIAL, CONTESTED)).tolist()
+        return replace(after, guarantee=Guarantee(self._since, tuple(reasons)), disputed=self._disputed)
 
     def _changed(self, now: Offsets, column: int, event: type[Turned] | type[Late]) -> Mask:
         """Note which cameras are suspected to be turned, 0, or late, 1, or no longer; return (n,) of which that is new."""
@@ -200,6 +203,6 @@ class Merging:
         return self._poll.believed(sensor, body, self._bodies, recent)
 
     def _restart(self, robot: int, because: str) -> None:
-        self._events.append(Restarted(self._time, robot, min(float(self._doubtful[robot]), self._time), because))
+        self._events.append(Restarted(self._time, robot, min(float(self._since[robot]), self._time), because))
         self._poll.restart(robot, Hypotheses.agreed(self._anywhere))
-        self._doubtful[robot], self._suspended[robot], self._disputed[robot] = np.inf, self._time, self._time
+        self._since[robot], self._disputed[robot] = np.inf, self._time

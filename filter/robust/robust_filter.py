@@ -12,6 +12,7 @@ from filter.arrays import Array, Frozen, checked, instance, number, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.measurements import Bearing, Compass, Measurement, Odometry
 from filter.robust.belief import RobustBelief
 from filter.robust.cameras import Alignment, Offsets
@@ -53,7 +54,7 @@ class RobustFilter(Frozen):
         _near("landmarks", self.team.landmarks)
         _near("sides of the arena", self.team.arena[np.isfinite(self.team.arena)])
 
-    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> RobustBelief:
+    def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> RobustBelief:
         """Return the belief before any measurement; `InvalidInput`, too, if a polygon reaches beyond 1e6 m."""
         begin, robots, bodies = number("time [s]", time), self.team.robots, self.team.robots + len(self.team.landmarks)
         polygons, known = self.team.initial(positions, headings)
@@ -64,8 +65,7 @@ class RobustFilter(Frozen):
             for polygon, centre, bound in zip(polygons, known.centre.tolist(), known.bound.tolist(), strict=True)
         )
         nothing = Votes.none(robots, bodies, begin), Trust.full(robots, bodies, begin), Offsets.none(robots, begin)
-        never = np.full(robots, -np.inf)
-        return RobustBelief(begin, sets, *nothing, -never, never, never)
+        return RobustBelief(begin, sets, *nothing, Guarantee.full(robots), np.full(robots, -np.inf))
 
     def predict(self, belief: RobustBelief, time: float, odometry: Odometry | None = None) -> RobustBelief:
         """Return the belief at a later time [s], without what is outside the arena; events tell of bounds broken before."""

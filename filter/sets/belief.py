@@ -9,6 +9,7 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, whole_number
 from filter.geometry.angles import AngularIntervals
+from filter.guarantee import Guarantee
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
@@ -84,6 +85,7 @@ class Belief:
         polytope: Where the whole team can be.
         headings: (n) arcs that contain the robots' headings.
         sources: What produced the rows and the edges.
+        guarantee: Suspended since the first measurement that was ever rejected: some bound was broken, nobody knows which.
         found: (n) where each robot is, as the last update found; None at the start and after a prediction.
         events: What the last update dropped, and where its walks and solvers failed.
         proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
@@ -94,6 +96,7 @@ class Belief:
     polytope: Polytope
     headings: AngularIntervals
     sources: Sources
+    guarantee: Guarantee
     found: Regions | None = None
     events: tuple[Event, ...] = ()
     proofs: tuple[Proof, ...] = ()

@@ -23,6 +23,9 @@ Dropped = dict[Reading, Rejected]
 def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
     """Merge measurements of one time but those that have to go for the rest to agree; the belief's events say which, and why.
 
+    From then on its guarantee is suspended: that what was dropped is at fault is a guess. It can be what is left, and then
+    everything that follows from it is wrong, too.
+
     The later in the sequence counts as the newer. Raises `Inconsistent` if a conflict has none of them in it.
 
     Algorithm:
@@ -39,7 +42,9 @@ def agreeing(merge: Merge, measurements: Sequence[Measurement]) -> Belief:
             belief = merge(without(measurements, dropped))
         except Inconsistent as error:
             return error
-        return replace(belief, events=tuple(dropped[reading] for reading in sorted(dropped)) + belief.events)
+        events = tuple(dropped[reading] for reading in sorted(dropped))
+        guarantee = belief.guarantee.suspended(belief.time, str(events[0])) if events else belief.guarantee
+        return replace(belief, events=events + belief.events, guarantee=guarantee)
 
     waiting: deque[Dropped] = deque([{}])
     seen: set[frozenset[Reading]] = set()

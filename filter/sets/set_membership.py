@@ -11,6 +11,7 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
@@ -55,7 +56,7 @@ class SetMembershipFilter(Frozen):
             a smaller one means smaller regions and more rows.
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
-            in conflict that let the rest agree, each one an event of the belief.
+            in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
         budget: How long an update may take, or None; robots whose turn has not come keep their propagated regions.
         on_phase: Told the name of each phase of a step as it begins, one of PHASES; for whoever wants to take the time.
         threads: How many windows are projected at a time, from 1 on; None for as many as there are cores. The result
@@ -89,7 +90,7 @@ class SetMembershipFilter(Frozen):
         """
         return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, **options})
 
-    def start(self, time: float, positions: Sequence[Polygon], headings: AngularIntervals | None = None) -> Belief:
+    def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
         begin = number("time [s]", time)
         polygons, known = self.team.initial(positions, headings)
@@ -102,7 +103,7 @@ class SetMembershipFilter(Frozen):
         j = np.repeat(numbers, [len(polygon.offsets) for polygon in polygons])
         normals, offsets = (np.concatenate([getattr(each, name) for each in polygons]) for name in ("normals", "offsets"))
         rows = Constraints(np.full(len(j), WORLD), j, normals, offsets, numbers[j])
-        return Belief(begin, Polytope(rows, lower, upper, numbers), known, sources)
+        return Belief(begin, Polytope(rows, lower, upper, numbers), known, sources, Guarantee.full(self.team.robots))
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
         """Return the belief at a later time [s]; raises `Inconsistent`, too, if a robot has left the arena for sure."""
@@ -113,7 +114,7 @@ class SetMembershipFilter(Frozen):
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
         polytope, sources = moved(belief, time, moves, self.team.arena)
-        return Belief(time, polytope, headings, sources).compact()
+        return Belief(time, polytope, headings, sources, belief.guarantee).compact()
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
         """Return the belief after merging measurements taken at its time, with every region searched anew.
@@ -147,7 +148,7 @@ class SetMembershipFilter(Frozen):
         self.on_phase("merge")
         polytope = merged(belief.polytope, headings, numbered, self.team.landmarks, self.tangent_spacing)
         self.on_phase("prune")
-        known = Belief(belief.time, self._pruned(polytope), headings, sources)
+        known = Belief(belief.time, self._pruned(polytope), headings, sources, belief.guarantee)
         self.on_phase("project")
         found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")

@@ -59,7 +59,7 @@ OPTION = but(NOT_OURS, "None")  # where None is right
 NO_TEAM = but(NOT_OURS, kind=Team, polygon=BOX)
 NO_BELIEF = but(NOT_OURS, kind=type(BELIEF), region=BELIEF.regions[0], three=RobustFilter(Team(3)).start(0, [BOX] * 3))
 NO_BELIEF |= but({}, three_robots=SetMembershipFilter(Team(3)).start(0, [BOX] * 3), four=KALMAN.start(0, [BOX] * 2).mean)
-NO_POLYGONS = but(NOT_OURS, alone=BOX, few=[BOX], vertices=[BOX.vertices] * 2, regions=list(BELIEF.regions), gap=[BOX, None])
+NO_POLYGONS = but(NOT_OURS, alone=BOX, few=[BOX], vertices=[BOX.vertices] * 2, regions=list(BELIEF.regions))
 NO_ARCS = but(
     OPTION, polygons=[BOX, BOX], few=ARCS[0], pairs=[(0.0, 0.1), (1.0, 0.1)], empty=AngularIntervals([0, 0], [0.1, -1])
 )

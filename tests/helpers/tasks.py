@@ -14,6 +14,10 @@ def threads(_):
     return {"threads": os.environ.get("OMP_NUM_THREADS")}
 
 
+def yields_threads(_):
+    yield threads(_)
+
+
 def noted(case):
     """Square a number and leave a mark that it was computed."""
     number, folder = case

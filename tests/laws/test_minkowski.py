@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.geometry.sector import trapezoid
+from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.solvers import deepest_point
@@ -32,7 +33,7 @@ def believed(robots, rows, whose):
     nothing = np.zeros((len(i), 0), dtype=np.int64), np.zeros((len(i), 0))
     proof = claims_of(polytope, (i, j), (np.zeros((len(i), 2)), np.zeros(len(i))), nothing)
     sources, _ = Sources().extended("region", 0.0, np.arange(robots))
-    return Belief(0.0, polytope, AngularIntervals.circles(robots), sources, proofs=(proof,))
+    return Belief(0.0, polytope, AngularIntervals.circles(robots), sources, Guarantee.full(robots), proofs=(proof,))
 
 
 def rows_around(i, j, polygon):
@@ -113,7 +114,7 @@ def test_where_nothing_was_proved_rows_are_moved_and_no_more_are_made():
     own = after.constraints.rows_of(WORLD, 0)
     assert len(own) == len(rows)
     assert after.constraints.offset[own].tolist() == moves.moved(rows).offset.tolist()
-    nobody = Belief(0.0, belief.polytope, belief.headings, belief.sources)
+    nobody = Belief(0.0, belief.polytope, belief.headings, belief.sources, belief.guarantee)
     assert len(moved(nobody, 1.0, moves, EVERYWHERE)[0].constraints) == len(rows)
     free = believed(2, NO_ROWS, [(WORLD, 0), (WORLD, 1), (0, 1)])
     assert (moved(free, 1.0, moves, EVERYWHERE)[0].constraints.offset > WIDE / 2).all()

@@ -28,6 +28,7 @@ from experiments.follow.ellipses import (
 from experiments.follow.side_by_side import Case, compare
 from experiments.follow.steps import steps
 from experiments.paper.merge_orders import compare_orders, spread_over_orders, static_case
+from experiments.show.terminal import too_short
 from filter import Frame, GaussianBelief, Inconsistent, Polygon, SetMembershipFilter, Stop, Team, Truth, follow, watch
 from sim.episode import episode
 from sim.errors import ERROR_KINDS, Errors
@@ -84,6 +85,15 @@ def test_a_sweep_has_a_flat_summary_with_every_key(swept):
     assert (summary["runs"], summary["checks"], summary["nees_expected"]) == (8, 8 * 5 * 2, 2)
     assert {summary[f"{kind}_set_containment"] for kind in ERROR_KINDS} == {1.0}
     assert all(isinstance(summary[f"{kind}_{key}"], int | float) for kind in ERROR_KINDS for key in REQUIRED)
+
+
+def test_a_short_sweep_warns_that_a_longer_one_may_say_the_opposite(swept, capsys):
+    assert summary_in(swept)["too_short"]
+    for runs, seconds, warned in ((20, 60.0, False), (19, 60.0, True), (20, 59.0, True)):
+        assert too_short("who is ahead", runs=(runs, 20), seconds_a_run=(seconds, 60.0)) == warned
+        err = " ".join(capsys.readouterr().err.split())
+        assert ("who is ahead can come out the other way in longer runs" in err) == warned
+        assert ("runs: 19, where 20 are enough" in err) == (runs == 19)
 
 
 def test_the_table_of_runs_is_sorted_and_has_one_row_a_run_and_no_timings(swept):

@@ -8,6 +8,7 @@ from experiments.follow.metrics import Metrics
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.measurements import Bearing, Compass, Frame, Truth
 from filter.projection.claims import Hulls
 from filter.sets.regions import Regions
@@ -41,7 +42,7 @@ def test_a_team_inside_its_polygons_makes_checks_and_no_escape():
     metrics = Metrics()
     assert not metrics.add(frame_of([[0, 0.5], [5, 0]]), belief_of(APART), 0.01)
     assert (metrics.checks, metrics.escapes, metrics.heading_checks, metrics.heading_escapes) == (2, 0, 2, 0)
-    assert not metrics.escaped
+    assert not metrics.broken
 
 
 def test_a_robot_outside_its_polygon_is_an_escape_and_is_named():
@@ -50,7 +51,7 @@ def test_a_robot_outside_its_polygon_is_an_escape_and_is_named():
     assert escapes
     assert (escapes.positions, escapes.headings) == ((1,), ())
     assert (metrics.checks, metrics.escapes, metrics.heading_escapes) == (2, 1, 0)
-    assert metrics.escaped
+    assert metrics.broken
 
 
 def test_a_robot_inside_another_ones_polygon_is_an_escape():
@@ -67,7 +68,7 @@ def test_a_heading_outside_its_interval_is_an_escape_even_across_the_seam():
     escapes = metrics.add(frame_of([[0, 0], [5, 0]], (-np.pi + 0.02, 0.2)), belief, 0.01)
     assert (escapes.positions, escapes.headings) == ((), (1,))
     assert (metrics.heading_checks, metrics.heading_escapes) == (2, 1)
-    assert metrics.escaped
+    assert metrics.broken
 
 
 def test_a_frame_without_truth_makes_no_check():
@@ -82,7 +83,7 @@ def test_an_escape_is_never_forgotten():
     metrics = Metrics()
     metrics.add(frame_of([[9, 9], [5, 0]]), belief_of(APART), 0.01)
     metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART), 0.01)
-    assert metrics.escaped
+    assert metrics.broken
     assert (metrics.checks, metrics.escapes) == (4, 1)
 
 
@@ -142,7 +143,20 @@ def test_a_summary_is_flat_json():
     metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART, APART), 0.01)
     summary = metrics.summary()
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary
-    assert all(isinstance(value, int | float) for value in summary.values())
+    assert all(isinstance(value, int | float) for name, value in summary.items() if "suspended" not in name)
+    assert (summary["guarantee_in_force"], summary["guarantee_suspended_since_s"]) == (True, None)
+
+
+def test_an_escape_while_the_guarantee_is_suspended_breaks_no_promise_and_the_summary_says_why():
+    metrics, doubted = Metrics(), replace(belief_of(APART), guarantee=Guarantee(np.array([3.0, np.inf]), ("a lie", "")))
+    metrics.add(frame_of([[9, 0], [5, 0]]), doubted, 0.01)
+    assert (metrics.escapes, metrics.broken) == (1, False)
+    metrics.add(frame_of([[9, 0], [9, 0]]), doubted, 0.01)
+    assert (metrics.escapes, metrics.escapes_in_force, metrics.broken) == (3, 1, True)
+    metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART), 0.01)
+    summary = metrics.summary()
+    assert (summary["guarantee_in_force"], summary["guarantee_suspended_since_s"]) == (False, 3.0)
+    assert summary["guarantee_suspended_because"] == "suspended for robots 0 since 3.000 s, as a lie"
 
 
 def test_where_nothing_is_known_from_inside_there_is_no_ratio():

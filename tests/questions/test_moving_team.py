@@ -231,12 +231,44 @@ def test_an_escape_ends_with_exit_code_1(simulated, tmp_path, column, wrong, key
     assert [event for event in events if "escaped" in event] == [f"1.0 s: r2: the {column[:-1]} escaped"]
 
 
-def test_measurements_that_disagree_end_with_exit_code_1_and_whole_files(simulated, tmp_path, capsys):
-    def broken(record):
-        if record["record"] == "range" and record["time"] == 1.0:
-            record["range"] = [3 * value + 1 for value in record["range"]]
-        return record
+def broken(record):
+    if record["record"] == "range" and record["time"] == 1.0:
+        record["range"] = [3 * value + 1 for value in record["range"]]
+    return record
 
+
+def test_what_is_rejected_suspends_the_guarantee_and_everything_says_so(simulated, tmp_path, capsys):
+    log, out = changed_log(simulated, tmp_path / "log.jsonl", broken), tmp_path / "out"
+    assert main(["--replay", str(log), "--policy", "reject", "--out", str(out)]) == 4
+    summary = summary_in(out)
+    assert summary["rejected"] > 0
+    assert (summary["guarantee_in_force"], summary["guarantee_suspended_since_s"]) == (False, 1.0)
+    assert "rejected range of robot" in summary["guarantee_suspended_because"]
+    told = capsys.readouterr()
+    assert "guarantee_in_force" in told.out
+    assert "the guarantee is suspended for robots 0, 1, 2 since 1.000 s, as rejected range" in " ".join(told.err.split())
+    events = [row["value"][0] for row in rows_of(out / "moving_team.rrd", "/events", "TextLog:text")]
+    assert [event[:29] for event in events if "guarantee" in event] == ["1.0 s: guarantee suspended fo"]
+    assert len(rows_of(out / "moving_team.rrd", "/world/suspended/r0", "LineStrips3D:strips")) == 10
+
+
+def test_an_escape_while_nothing_is_promised_ends_with_4_and_a_broken_promise_with_1(simulated, tmp_path):
+    def moved(time):
+        def change(record):
+            if record["record"] == "truth" and record["time"] == time:
+                record["positions"][2] = [5.0, 5.0]
+            return broken(record)
+
+        return change
+
+    for time, code in ((0.5, 1), (1.5, 4)):
+        log, out = changed_log(simulated, tmp_path / f"{time}.jsonl", moved(time)), tmp_path / str(time)
+        assert main(["--replay", str(log), "--policy", "reject", "--out", str(out)]) == code
+        assert summary_in(out)["escapes"] == 1
+        assert summary_in(out)["escapes_in_force"] == (code == 1)
+
+
+def test_measurements_that_disagree_end_with_exit_code_1_and_whole_files(simulated, tmp_path, capsys):
     log = changed_log(simulated, tmp_path / "log.jsonl", broken)
     out = tmp_path / "out"
     assert main(["--replay", str(log), "--out", str(out)]) == 1

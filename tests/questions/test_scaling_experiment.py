@@ -1,6 +1,7 @@
 """The step over the size of the team: what is measured is what is said, and an escape is told."""
 
 import json
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -189,6 +190,12 @@ def test_a_process_that_dies_is_told():
     assert next(told) == 7
     with pytest.raises(WorkerLost, match="ended before its work"):
         next(told)
+
+
+def test_a_process_of_its_own_has_one_thread_for_linear_algebra_and_this_one_is_left_alone():
+    before = dict(os.environ)
+    assert list(in_own_process(tasks.yields_threads, None)) == [{"threads": "1"}]
+    assert dict(os.environ) == before
 
 
 def test_memory_is_the_process_own():

@@ -22,7 +22,7 @@ from experiments.real_robots.frames import Start, frames
 from experiments.real_robots.kalman import kalman_filter
 from experiments.real_robots.metrics import Escaped, Table, Tally, longest, measured_by, summary_of
 from experiments.real_robots.motion import Motions
-from filter import InvalidInput, Polygon, Restarted, RobustFilter, Team
+from filter import Guarantee, InvalidInput, Polygon, Restarted, RobustFilter, Team
 
 KEYS = {
     "checks",
@@ -97,13 +97,14 @@ def test_the_same_seed_gives_the_same_run_to_the_last_bit(ran, folder, tmp_path)
 
 def shrunk(scenario, motions, suspended):
     """A filter that lies: it says that each robot is in a tiny square far away."""
+    told = Guarantee.full(2).suspended(0.0, "votes") if suspended else Guarantee.full(2)
     for step in team_filter(scenario, motions):
         square = Polygon.box([90, 90], [91, 91])
         regions = tuple(replace(region, outer=square) for region in step.belief.regions)
-        yield replace(step, belief=replace(step.belief, regions=regions), suspended=np.full(2, suspended))
+        yield replace(step, belief=replace(step.belief, regions=regions), guarantee=told, lapsed=told)
 
 
-@pytest.mark.parametrize(("suspended", "code"), [(False, 1), (True, 0)])
+@pytest.mark.parametrize(("suspended", "code"), [(False, 1), (True, 4)])
 def test_the_exit_code_is_one_only_for_an_escape_while_the_guarantee_is_in_force(
     folder, tmp_path, monkeypatch, suspended, code
 ):
@@ -114,6 +115,11 @@ def test_the_exit_code_is_one_only_for_an_escape_while_the_guarantee_is_in_force
     assert summary["escapes_in_force"] == (0 if suspended else summary["checks"])
     assert summary["longest_escape_s"] > 0.5
     assert summary["suspended_share"] == float(suspended)
+    assert summary["guarantee_in_force"] != suspended
+    assert summary["guarantee_suspended_because"] == (
+        "suspended for robots 0, 1 since 0.000 s, as votes" if suspended else None
+    )
+    assert summary["too_short"]
     levels = rows_of(tmp_path / "mrclam.rrd", "/events", "TextLog:level")
     assert "ERROR" in {row["value"][0] for row in levels}
 
@@ -258,6 +264,8 @@ def test_what_happens_while_robots_move_is_told_with_what_is_measured_then(folde
     scenario, motions = frames(read_run(folder), (1, 2)), Motions(read_run(folder), (1, 2), Bounds())
     step = next(voting(scenario, Carried(motions), Leaving(scenario.team)))
     assert step.resets == 1
+    assert step.guarantee.in_force.all()
+    assert str(step.lapsed) == f"suspended for robots 1 since {step.frame.time:.3f} s, as it left"
     assert [word for word in step.events if word.endswith("it left")]
 
 
@@ -265,13 +273,14 @@ def test_what_lasts_is_told_once_and_its_end_too():
     changes, nobody = Changes(Team(2)), np.zeros(2, dtype=bool)
 
     def told(outside, suspended, events=()):
-        step = Followed(None, None, np.array(suspended), nobody, (), 0, (), events, 0.0)
+        told = Guarantee(np.where(suspended, 1.0, np.inf), tuple("votes" if each else "" for each in suspended))
+        step = Followed(None, None, told, told, nobody, (), 0, (), events, 0.0)
         return changes.words(step, Escaped(np.array(outside), nobody, np.array(suspended)))
 
     assert told([False, False], [False, False]) == []
     assert told([True, False], [False, True], ("rejected it",)) == [
         ("rejected it", "WARN"),
-        ("r1: guarantee suspended", "WARN"),
+        ("r1: guarantee suspended, as votes", "WARN"),
         ("r0: truth outside the polygon", "ERROR"),
     ]
     assert told([True, False], [False, True]) == []

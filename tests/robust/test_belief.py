@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers.robust_worlds import started, world_of
 
+from filter.guarantee import Guarantee
 from filter.linear.sources import Source
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, Turned
 from filter.robust.robust_filter import RobustFilter
@@ -40,12 +41,12 @@ def test_where_a_camera_is_suspected_to_be_turned_the_heading_can_be_any(believe
 
 def test_the_guarantee_is_in_force_where_nothing_is_doubtful(believed):
     belief, _ = believed
-    assert belief.in_force.all()
-    doubtful = dataclasses.replace(belief, doubtful_since=np.array([np.inf, 3.0, np.inf]))
-    assert doubtful.in_force.tolist() == [True, False, True]
-    for name in ("doubtful_since", "suspended", "disputed"):
+    assert belief.guarantee.in_force.all()
+    doubtful = dataclasses.replace(belief, guarantee=Guarantee(np.array([np.inf, 3.0, np.inf]), ("", "votes", "")))
+    assert doubtful.guarantee.in_force.tolist() == [True, False, True]
+    for array in (belief.guarantee.suspended_since, belief.disputed):
         with pytest.raises(ValueError, match="read-only"):
-            getattr(belief, name)[0] = 0.0
+            array[0] = 0.0
 
 
 SEEN = Source("sighting", 2.0, 1, 4)
@@ -55,7 +56,7 @@ SEEN = Source("sighting", 2.0, 1, 4)
     ("event", "told"),
     [
         (Disagreement(2.0, 1, (SEEN,)), "on robot 1 disagree, one of them is wrong: sighting of robot 1 to 4 at 2.000 s"),
-        (Restarted(3.0, 2, 1.5, "it is lost"), "robot 2 starts over, doubtful since 1.500 s: it is lost"),
+        (Restarted(3.0, 2, 1.5, "it is lost"), "robot 2 starts over, guarantee suspended since 1.500 s: it is lost"),
         (
             Distrusted(3.0, "camera", "robot", 2, True, 1.0, (4, 5)),
             "camera of robot 2 put aside at 3.000 s: sightings of 4, 5 contradict regions since 1.000 s",

@@ -76,9 +76,8 @@ def test_a_robot_of_a_suspected_camera_starts_over_and_says_since_when_it_is_dou
     (belief,) = [each for each in beliefs if turned_in([each])]
     (restart,) = [event for event in belief.events if isinstance(event, Restarted)]
     assert (restart.robot, restart.because) == (GUILTY, "its camera is suspected to be turned")
-    assert restart.doubtful_since <= 16.0
-    assert belief.suspended[GUILTY] == belief.time
-    assert belief.in_force[GUILTY]
+    assert restart.suspended_since <= 16.0
+    assert belief.guarantee.in_force[GUILTY]
 
 
 def test_a_camera_that_is_set_right_is_trusted_again():
@@ -184,4 +183,4 @@ def test_the_guarantee_was_doubtful_since_the_camera_last_looked_good(column, va
     offsets = replace(belief.offsets, **said, bad_since=bad_since, good_until=np.array([[1.0, 2.0]]))
     found, restart = robust.update(replace(belief, time=10.0, offsets=offsets), []).events
     assert isinstance(found, (Turned, Late)[column])
-    assert found.since == restart.doubtful_since == [1.0, 2.0][column]
+    assert found.since == restart.suspended_since == [1.0, 2.0][column]

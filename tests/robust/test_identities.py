@@ -45,7 +45,7 @@ def test_exchanged_barcodes_let_nobody_escape_and_are_named(pair, begins, errors
         places = [region.outer.contains(place) for region, place in zip(belief.regions, world.positions, strict=True)]
         assert np.all(places)
         assert belief.headings.contains(world.headings).all()
-        assert belief.in_force.all()
+        assert belief.guarantee.in_force.all()
     named = {(event.sensor, event.kind, event.body) for event in events if isinstance(event, Distrusted)}
     assert named
     assert named <= {("identity", "robot", body) for body in pair}  # the other one may not have been read often enough

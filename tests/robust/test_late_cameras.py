@@ -73,7 +73,7 @@ def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
         each for belief in beliefs for each in belief.events if isinstance(each, Restarted) and "late" in each.because
     ]
     assert restart.robot == GUILTY
-    assert 0 <= restart.doubtful_since == event.since <= 0.2 * begins
+    assert 0 <= restart.suspended_since == event.since <= 0.2 * begins
     assert all(not each.aside or each.robot != GUILTY for each in turned_in(beliefs[int(event.time / 0.2) :]))
 
 
@@ -112,10 +112,10 @@ def test_a_late_camera_of_a_robot_that_was_carried_elsewhere_is_on_trial_and_fou
     world, beliefs = world_of(seed, robots=robots), []
     for belief in late_touring(world, 800, (0, 350), carried=300, guilty=0):
         beliefs.append(belief)
-        if belief.in_force[0] and (len(beliefs) > 320 or (robots == 1 and told(beliefs))):
+        if belief.guarantee.in_force[0] and (len(beliefs) > 320 or (robots == 1 and told(beliefs))):
             assert 0 not in missing(belief, world)
     trial = [belief for belief in beliefs if belief.offsets.on_trial[0]]
     assert trial
-    assert not any(belief.in_force[0] and belief.regions[0].outer.area < 100 for belief in trial)
+    assert not any(belief.guarantee.in_force[0] and belief.regions[0].outer.area < 100 for belief in trial)
     assert not belief.offsets.late[0]
     assert belief.regions[0].outer.area < 1.0

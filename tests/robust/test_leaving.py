@@ -7,6 +7,7 @@ import pytest
 
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.measurements import Bearing, Odometry, Range
 from filter.robust.belief import Disagreement, Restarted
 from filter.robust.hypotheses import EARLIER
@@ -19,20 +20,18 @@ def test_a_robot_that_has_left_the_arena_starts_over_and_it_is_told():
     before = robust.start(0.0, [Polygon.box([1.0, -0.1], [1.2, 0.1])], AngularIntervals([0.0], [0.1]))
     after = robust.predict(before, 1.0, Odometry(0.0, 1.0, 0, 3.0, 0.01, 0.0, 0.01, 0.01, 0.001))
     assert [type(event) for event in after.events] == [Restarted]
-    assert after.suspended[0] == 1.0
     assert after.headings.bound[0] == pytest.approx(np.pi)
     corners = np.array([[-1.99, -1.99], [1.99, 1.99], [-1.99, 1.99]])
     assert all(after.regions[0].outer.contains(corner) for corner in corners)
     assert before.events == ()
-    assert not np.isfinite(before.suspended[0])
 
 
 def test_what_leaves_the_arena_names_when_doubt_began_and_no_vote_of_an_earlier_window():
     robust = RobustFilter(Team(1, np.zeros((0, 2)), arena=np.array([[-2.0, -2.0], [2.0, 2.0]])))
     odometry = Odometry(1.0, 2.0, 0, 3.0, 0.01, 0.0, 0.01, 0.01, 0.001)
     before = robust.start(1.0, [Polygon.box([1.0, -0.1], [1.2, 0.1])], AngularIntervals([0.0], [0.1]))
-    (event,) = robust.predict(replace(before, doubtful_since=np.array([0.5])), 2.0, odometry).events
-    assert event.doubtful_since == 0.5
+    (event,) = robust.predict(replace(before, guarantee=Guarantee(np.array([0.5]), ("votes",))), 2.0, odometry).events
+    assert event.suspended_since == 0.5
     stays = robust.start(1.0, [Polygon.box([-1.0, -0.1], [-0.9, 0.1])]).sets[0]
     earlier = replace(stays, without=np.full(len(stays), EARLIER))
     (event,) = robust.predict(replace(before, sets=(earlier,)), 2.0, replace(odometry, distance=np.array([0.1]))).events

@@ -60,7 +60,7 @@ def test_the_truth_stays_inside_while_bounds_hold(seed, known, errors):
     for belief in follow(robust, world, started(robust, world, known)):
         assert missing(belief, world) == []
         assert belief.events == ()
-        assert belief.in_force.all()
+        assert belief.guarantee.in_force.all()
 
 
 @pytest.mark.parametrize("known", ["position", "arena"])
@@ -168,10 +168,10 @@ def test_a_robot_that_was_taken_elsewhere_starts_over():
     belief = after[-1]
     (restart,) = [event for each in after for event in each.events if isinstance(event, Restarted)]
     assert restart.robot == 0
-    assert restart.doubtful_since <= restart.time == belief.suspended[0]
+    assert restart.suspended_since <= restart.time == belief.time
     assert "starts over" in str(restart)
     assert missing(belief, world) == []
-    assert belief.in_force[0]
+    assert belief.guarantee.in_force[0]
 
 
 def test_an_identity_that_is_always_wrong_is_put_aside_and_named():

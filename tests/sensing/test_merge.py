@@ -5,6 +5,7 @@ import pytest
 from helpers.teams import begun
 from helpers.worlds import World, exact_row_slack
 
+from filter.guarantee import Guarantee
 from filter.linear.sources import Source, Sources
 from filter.measurements import Bearing, Compass, Range
 from filter.sensing.headings import narrowed_headings
@@ -24,7 +25,7 @@ def taken(belief, world, records, spacing=SPACING):
     sources, numbered = numbered_of(belief.sources, records)
     headings = narrowed_headings(belief.headings, belief.polytope, records, world.team.landmarks)
     polytope = merged(belief.polytope, headings, numbered, world.team.landmarks, spacing)
-    return Belief(0.0, polytope, headings, sources)
+    return Belief(0.0, polytope, headings, sources, Guarantee.full(len(headings)))
 
 
 def test_bearings_and_ranges_are_entered_in_order_and_compasses_are_not():

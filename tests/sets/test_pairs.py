@@ -110,7 +110,7 @@ def test_a_lost_walk_leaves_a_pair_its_rows_and_is_told():
     world = World(np.random.default_rng(5), robots=2)
     *_, belief = beliefs(SetMembershipFilter(world.team), world, 2)
     polytope = round_pair()
-    before = Belief(belief.time, polytope, belief.headings, belief.sources)
+    before = Belief(belief.time, polytope, belief.headings, belief.sources, belief.guarantee)
     found = with_pairs(before, 36, Projector(NEAR, Stop(1.0, searches=400)))
     assert found.events == (Fallback(1, ("walk",), None, 0),)
     assert "region of robot 1 seen from robot 0" in "; ".join(map(str, found.events))
@@ -126,7 +126,7 @@ def test_pairs_that_are_not_chosen_keep_their_rows():
     world = World(np.random.default_rng(3), robots=5)
     *_, belief = beliefs(SetMembershipFilter(world.team, pairs=0), world, 2)
     polytope, sources = belief.polytope, belief.sources
-    before = Belief(belief.time, polytope, belief.headings, sources)
+    before = Belief(belief.time, polytope, belief.headings, sources, belief.guarantee)
     found = with_pairs(before, 3, Projector(NEAR, Stop()))
     i, j = chosen_pairs(polytope, sources, belief.time, 3)
     assert set(zip(found.proofs[0].i.tolist(), found.proofs[0].j.tolist(), strict=True)) == set(

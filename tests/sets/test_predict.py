@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
@@ -40,7 +41,7 @@ def believed(polytope, i=(WORLD,), j=(0,)):
     sources, _ = Sources().extended("initial set", 0.0, np.arange(robots))
     none = Weights(np.zeros(0, dtype=int), np.zeros(0), np.zeros(count + 1, dtype=int))
     proof = Proof(polytope, sources, np.array(i), np.array(j), np.zeros((count, 2)), np.zeros(count), none)
-    return Belief(0.0, polytope, AngularIntervals.circles(robots), sources, proofs=(proof,))
+    return Belief(0.0, polytope, AngularIntervals.circles(robots), sources, Guarantee.full(robots), proofs=(proof,))
 
 
 def motion(robots=1, distance=1.0, heading=0.3, wide=0.2, slip=0.0):
@@ -107,7 +108,8 @@ def test_rows_through_corners_follow_from_the_whole_polytope(errors, origin, sco
     for belief in beliefs(SetMembershipFilter(world.team, scope=scope), world, 3):
         moves = displacements(world_motion(world), belief.headings, world.team, 0.1)
         rows, sources = rows_through_corners(belief, moves, belief.sources)
-        assert escapes(Belief(0.0, belief.polytope.with_constraints(rows), belief.headings, sources), world.positions) == []
+        after = Belief(0.0, belief.polytope.with_constraints(rows), belief.headings, sources, belief.guarantee)
+        assert escapes(after, world.positions) == []
     assert set(zip(rows.i.tolist(), rows.j.tolist(), strict=True)) >= {(WORLD, 0), (0, 1), (2, 3)}
     for k in range(0, len(rows), 7):
         true = supports(belief.polytope, rows.normal[k : k + 1], int(rows.j[k]), int(rows.i[k]))
@@ -173,7 +175,7 @@ def test_following_with_rows_through_corners_is_tighter(seed, monkeypatch):
 
 def test_without_a_proof_rows_are_moved_alone():
     belief = believed(polytope_of(Polygon.box([0, 0], [1, 1])))
-    bare = Belief(0.0, belief.polytope, belief.headings, belief.sources)
+    bare = Belief(0.0, belief.polytope, belief.headings, belief.sources, belief.guarantee)
     rows, sources = rows_through_corners(bare, motion(), bare.sources)
     assert len(rows) == 0
     assert len(sources) == len(bare.sources)

@@ -9,6 +9,7 @@ from helpers.worlds import World, escapes, exact_claim
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import SIDES, Polygon
+from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.program import Candidate
@@ -39,7 +40,7 @@ def two_robots(offset):
     sources, _ = Sources().extended("initial set", 0.0, [1])
     sources, _ = sources.extended("range", 1.0, [0], [1])
     polytope = Polytope(rows, np.array([[0.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 1.0], [3.0, 1.0]]))
-    return Belief(1.0, polytope, AngularIntervals.circles(2), sources)
+    return Belief(1.0, polytope, AngularIntervals.circles(2), sources, Guarantee.full(2))
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -172,7 +173,7 @@ def test_edges_become_rows_known_ones_with_their_sources_new_ones_with_the_regio
 def test_after_a_projection_only_edges_are_left_of_rows_on_single_robots():
     polytope = merged_team(1)
     sources, _ = Sources().extended("range", 0.0, np.zeros(999, dtype=int))
-    found = refined(Belief(2.0, polytope, AngularIntervals.circles(5), sources), WAYS["walk"])
+    found = refined(Belief(2.0, polytope, AngularIntervals.circles(5), sources, Guarantee.full(5)), WAYS["walk"])
     rows = found.polytope.constraints
     pairs = polytope.constraints.i != WORLD
     assert rows.offset[rows.i != WORLD].tolist() == polytope.constraints.offset[pairs].tolist()

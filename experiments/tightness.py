@@ -117,6 +117,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
     if not options.alone:
         variants["window"] = Variant(*BUDGETS[DEFAULT], spacing, window=True)
         variants["without pairs"] = Variant(*BUDGETS[DEFAULT], spacing, pairs=False)
+        variants["without corners"] = Variant(*BUDGETS[DEFAULT], spacing, corners=False)
     stop = Stop(options.performance_ratio, 0.0, SEARCHES)
     with executor(options.workers) as pool, Counting(len(variants) + len(steps), "runs and optima") as progress:
         first = pool.submit(follow, case, variants.pop(DEFAULT), options.tangents)
@@ -128,7 +129,7 @@ def compute(options: Options) -> tuple[dict[str, Followed], list[Optimum]]:
             future.result()  # raises what it raised
             progress.advance()
     runs = {name: future.result() for name, future in {**others, DEFAULT: first}.items()}
-    order = [name for name in (*BUDGETS, "window", "without pairs") if name in runs]
+    order = [name for name in (*BUDGETS, "window", "without pairs", "without corners") if name in runs]
     return {name: runs[name] for name in order}, [optima[step].result() for step in sorted(optima)]
 
 
@@ -170,7 +171,7 @@ def summary_of(options: Options, runs: dict[str, Followed], optima: Sequence[Opt
         "window_area_ratio_p95": None if windows is None else rounded(float(np.quantile(windows, 0.95))),
         **{
             f"{name.replace(' ', '_')}_area_ratio_mean": rounded(float(ratios(runs[name], optima).mean()))
-            for name in ("without pairs",)
+            for name in ("without pairs", "without corners")
             if name in runs
         },
         "optimum_variables_max": max(each.variables for each in optima),

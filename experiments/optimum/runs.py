@@ -43,6 +43,7 @@ class Variant:
         tangent_spacing: Of ranges [rad].
         window: Whether regions are found in windows instead of in the whole team.
         pairs: Whether pairs are projected, too.
+        corners: Whether rows through corners are moved along.
     """
 
     rows_per_robot: int
@@ -50,6 +51,7 @@ class Variant:
     tangent_spacing: float
     window: bool = False
     pairs: bool = True
+    corners: bool = True
 
     def filter(self, team: Team) -> SetMembershipFilter:
         """Return the filter.
@@ -64,6 +66,7 @@ class Variant:
             tangent_spacing=self.tangent_spacing,
             scope=Window() if self.window else Window.everybody(),
             pairs=SetMembershipFilter.pairs if self.pairs else 0,
+            corners=self.corners,
         )
 
 

@@ -90,10 +90,13 @@ def imply(
     their own rows; what is behind an edge is no row if its number is beyond the last one.
     """
     (offsets, rows, prices), (i, j), (normals, vertices, behind, first), (whose, directions) = into, pairs, outlines, asked
-    place = np.full(len(box[0]), -1)
+    place, g = np.full(len(box[0]), -1), -1
+    where = members_at(j[:0], place, box)
     for q in range(len(whose)):
-        g, direction = whose[q], directions[q]
-        members = np.array([j[g]]) if i[g] == WORLD else np.array([j[g], i[g]])
+        direction = directions[q]
+        if whose[q] != g:
+            g = whose[q]
+            where = members_at(np.array([j[g]]) if i[g] == WORLD else np.array([j[g], i[g]]), place, box)
         following = _corner((normals, vertices), first[g], first[g + 1], direction)
         before = following - 1 if following > first[g] else first[g + 1] - 1
         rows[q, 0], rows[q, 1], prices[q] = behind[before], behind[following], 0.0
@@ -102,7 +105,7 @@ def imply(
         for side in range(2):
             if rows[q, side] < len(team[3]) and turned != 0 and WORTHLESS < parts[side] / turned < np.inf:
                 prices[q, side] = parts[side] / turned
-        offsets[q] = certified(i[g], j[g], direction, prices[q], rows[q], members_at(members, place, box), team)
+        offsets[q] = certified(i[g], j[g], direction, prices[q], rows[q], where, team)
 
 
 @compiled

@@ -18,8 +18,11 @@ from filter.sensing.motion import Displacements
 from filter.sets.belief import Belief
 
 
-def moved(belief: Belief, time: float, moves: Displacements, arena: Array) -> tuple[Polytope, Sources]:
-    """Return the polytope after moves within the arena (2, 2) [m], and its sources; `Inconsistent` if a robot has left it."""
+def moved(belief: Belief, time: float, moves: Displacements, arena: Array, corners: bool) -> tuple[Polytope, Sources]:
+    """Return the polytope after moves within the arena (2, 2) [m], and its sources, with rows through corners or without.
+
+    Raises `Inconsistent` if a robot has left the arena.
+    """
     robots = np.arange(len(belief.headings))
     by = np.stack([moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES], axis=1)
     lower = np.maximum(_outward(belief.polytope.lower, -by[:, 2:], -np.inf), arena[0])
@@ -28,19 +31,22 @@ def moved(belief: Belief, time: float, moves: Displacements, arena: Array) -> tu
     if len(outside):
         robot = int(outside[0])
         raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
-    corners, sources = rows_through_corners(belief, moves, belief.sources)
-    rows = Constraints.concatenate([belief.constraints, corners])
+    rows, sources = belief.constraints, belief.sources
+    if corners:
+        through, sources = rows_through_corners(belief, moves)
+        rows = Constraints.concatenate([rows, through])
     return Polytope(moves.moved(rows), lower, upper, belief.polytope.origin), sources
 
 
-def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources) -> tuple[Constraints, Sources]:
-    """Return rows through corners of the polygons of all robots and pairs that the last update proved something of.
+def rows_through_corners(belief: Belief, moves: Displacements) -> tuple[Constraints, Sources]:
+    """Return rows through corners of the polygons of all robots, pairs that the last update proved something of, and sources.
 
     Their normals are those of the edges of what the robots' displacements, or the differences of those, can be.
     """
-    polytope, nobody = belief.polytope, np.zeros((0, 2), dtype=np.int64)
-    proved = [np.stack([proof.i, proof.j], axis=1) for proof in belief.proofs]
-    i, j = np.ascontiguousarray(np.unique(np.concatenate([nobody, *proved]), axis=0).T)
+    polytope, bodies = belief.polytope, len(belief.headings) + 1
+    proved = [(proof.i - WORLD) * bodies + proof.j for proof in belief.proofs]
+    key = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *proved]))
+    i, j = key // bodies + WORLD, key % bodies
     normals = moves.normals
     wanted = np.concatenate([normals[j], np.where((i != WORLD)[:, None, None], -normals[i], np.nan)], axis=1)
     whose, which = np.ascontiguousarray(np.nonzero(np.isfinite(wanted[:, :, 0])))
@@ -50,7 +56,7 @@ def rows_through_corners(belief: Belief, moves: Displacements, sources: Sources)
     outlines = clipped.polygons.normals, clipped.polygons.vertices, clipped.behind, clipped.polygons.first
     box = polytope.lower, polytope.upper
     imply((offsets, *unused), (i, j), outlines, (whose, directions), polytope.constraints.rows, box)
-    table, numbers = sources.extended("region", belief.time, j, i)
+    table, numbers = belief.sources.extended("region", belief.time, j, i)
     return Constraints(i[whose], j[whose], directions, offsets, numbers[whose]), table
 
 

@@ -52,6 +52,7 @@ class SetMembershipFilter(Frozen):
         rows_per_pair: How many rows on one pair survive pruning, from 4 on.
         pairs: How many pairs of robots are projected in an update, too, from 0 on: what the team knows of them then survives
             the motion of both. Those just measured come first; pairs without rows come last.
+        corners: Whether a prediction moves rows through the corners of regions along, too: smaller regions, more rows.
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
@@ -70,6 +71,7 @@ class SetMembershipFilter(Frozen):
     rows_per_robot: int = field(default=20, metadata=checked(whole_number, "rows_per_robot", 4))
     rows_per_pair: int = field(default=12, metadata=checked(whole_number, "rows_per_pair", 4))
     pairs: int = field(default=21, metadata=checked(whole_number, "pairs"))
+    corners: bool = field(default=True, metadata=checked(instance, "corners", bool))
     tangent_spacing: float = field(default=TANGENT_SPACING, metadata=checked(number, "tangent spacing [rad]", 0.01, np.pi / 2))
     scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
     policy: Policy = "raise"
@@ -88,7 +90,7 @@ class SetMembershipFilter(Frozen):
 
         The options are its other attributes, and those that are to be different after all.
         """
-        return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, **options})
+        return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, **options})
 
     def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
@@ -113,7 +115,7 @@ class SetMembershipFilter(Frozen):
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
-        polytope, sources = moved(belief, time, moves, self.team.arena)
+        polytope, sources = moved(belief, time, moves, self.team.arena, self.corners)
         return Belief(time, polytope, headings, sources, belief.guarantee).compact()
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:

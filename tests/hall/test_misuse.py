@@ -153,6 +153,7 @@ CALLS = {
     "sets: rows_per_robot": (lambda x: SetMembershipFilter(TEAM, rows_per_robot=x), but(COUNT, few=3)),
     "sets: rows_per_pair": (lambda x: SetMembershipFilter(TEAM, rows_per_pair=x), but(COUNT, few=3)),
     "sets: pairs": (lambda x: SetMembershipFilter(TEAM, pairs=x), COUNT),
+    "sets: corners": (lambda x: SetMembershipFilter(TEAM, corners=x), NOT_OURS),
     "sets: tangent_spacing": (lambda x: SetMembershipFilter(TEAM, tangent_spacing=x), ABOVE_0),
     "sets: scope": (lambda x: SetMembershipFilter(TEAM, scope=x), but(NOT_OURS, "text", kind=Window, other="everybody")),
     "sets: policy": (lambda x: SetMembershipFilter(TEAM, policy=x), but(NOT_OURS, several=["raise"])),

@@ -76,7 +76,7 @@ def sum_of(*sets):
 def test_a_robots_polygon_is_the_sum_of_what_it_was_and_of_the_motion(seed, shape, motion):
     rng = np.random.default_rng(seed)
     polygon, moves = some_polygon(rng, shape), some_moves(rng, 1, motion)
-    after, _ = moved(believed(1, rows_around(WORLD, 0, polygon), [(WORLD, 0)]), 1.0, moves, EVERYWHERE)
+    after, _ = moved(believed(1, rows_around(WORLD, 0, polygon), [(WORLD, 0)]), 1.0, moves, EVERYWHERE, corners=True)
     found = after.of_robots(np.array([0])).polygons[0]
     points, hull = sum_of(polygon.vertices, moves.vertices[0])
     assert (points @ found.normals.T - found.offsets).max() <= 1e-12
@@ -88,7 +88,7 @@ def test_a_pairs_polygon_is_the_sum_of_what_it_was_and_of_both_motions(seed, sha
     """x_j - x_i grows by what j moves, and by what i moves turned about."""
     rng = np.random.default_rng(seed)
     polygon, moves = some_polygon(rng, shape), some_moves(rng, 3, motion)
-    after, _ = moved(believed(3, rows_around(0, 2, polygon), [(0, 2)]), 1.0, moves, EVERYWHERE)
+    after, _ = moved(believed(3, rows_around(0, 2, polygon), [(0, 2)]), 1.0, moves, EVERYWHERE, corners=True)
     found = after.of(np.array([0]), np.array([2])).polygons[0]
     points, hull = sum_of(polygon.vertices, moves.vertices[2], -moves.vertices[0])
     assert (points @ found.normals.T - found.offsets).max() <= 1e-12
@@ -100,8 +100,9 @@ def test_without_rows_through_the_corners_it_would_be_larger(shape):
     rng = np.random.default_rng(1)
     polygon, moves = some_polygon(rng, shape), some_moves(rng, 1, "ahead")
     rows = rows_around(WORLD, 0, polygon)
-    after, _ = moved(believed(1, rows, [(WORLD, 0)]), 1.0, moves, EVERYWHERE)
-    mitred = Polytope(moves.moved(rows), after.lower, after.upper)
+    after, _ = moved(believed(1, rows, [(WORLD, 0)]), 1.0, moves, EVERYWHERE, corners=True)
+    mitred, _ = moved(believed(1, rows, [(WORLD, 0)]), 1.0, moves, EVERYWHERE, corners=False)
+    assert mitred.constraints.offset.tolist() == moves.moved(rows).offset.tolist()
     areas = [each.of_robots(np.array([0])).polygons.areas[0] for each in (after, mitred)]
     assert areas[0] < 0.999 * areas[1]
 
@@ -110,14 +111,14 @@ def test_where_nothing_was_proved_rows_are_moved_and_no_more_are_made():
     rng = np.random.default_rng(2)
     rows, moves = rows_around(WORLD, 0, some_polygon(rng, "any")), some_moves(rng, 2, "ahead")
     belief = believed(2, rows, [(WORLD, 1)])
-    after, _ = moved(belief, 1.0, moves, EVERYWHERE)
+    after, _ = moved(belief, 1.0, moves, EVERYWHERE, corners=True)
     own = after.constraints.rows_of(WORLD, 0)
     assert len(own) == len(rows)
     assert after.constraints.offset[own].tolist() == moves.moved(rows).offset.tolist()
     nobody = Belief(0.0, belief.polytope, belief.headings, belief.sources, belief.guarantee)
-    assert len(moved(nobody, 1.0, moves, EVERYWHERE)[0].constraints) == len(rows)
+    assert len(moved(nobody, 1.0, moves, EVERYWHERE, corners=True)[0].constraints) == len(rows)
     free = believed(2, NO_ROWS, [(WORLD, 0), (WORLD, 1), (0, 1)])
-    assert (moved(free, 1.0, moves, EVERYWHERE)[0].constraints.offset > WIDE / 2).all()
+    assert (moved(free, 1.0, moves, EVERYWHERE, corners=True)[0].constraints.offset > WIDE / 2).all()
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -129,7 +130,7 @@ def test_no_configuration_is_lost_whatever_the_motion(seed):
     belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
     moves = some_moves(rng, 3, ("ahead", "any", "segment")[seed % 3])
     moves = Displacements(moves.vertices, moves.reach, rng.uniform(0, 0.3, 3))
-    after, _ = moved(belief, 1.0, moves, EVERYWHERE)
+    after, _ = moved(belief, 1.0, moves, EVERYWHERE, corners=True)
     rows, i, j = after.constraints, after.constraints.i, after.constraints.j
     assert len(rows) > len(belief.constraints)
     program = belief.polytope.program()
@@ -152,7 +153,7 @@ def test_a_point_that_goes_from_corner_to_corner_is_within_without_any_rounding(
     corners, steps = rng.integers(-16, 17, (6, 2)) / 8, rng.integers(-16, 17, (1, CORNERS, 2)) / 8
     moves = Displacements(steps, np.full(1, FAR), np.zeros(1))
     polygon = Polygon.from_vertices(corners)
-    after, _ = moved(believed(1, rows_around(WORLD, 0, polygon), [(WORLD, 0)]), 1.0, moves, EVERYWHERE)
+    after, _ = moved(believed(1, rows_around(WORLD, 0, polygon), [(WORLD, 0)]), 1.0, moves, EVERYWHERE, corners=True)
     points, _ = sum_of(corners, steps[0])
     for normal, offset in zip(after.constraints.normal, after.constraints.offset, strict=True):
         farthest = points[np.argsort(points @ normal)[-3:]]

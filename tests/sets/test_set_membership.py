@@ -125,6 +125,8 @@ def test_a_light_filter_is_light_but_for_what_is_asked():
     light = SetMembershipFilter.light(TEAM, pairs=3)
     assert (light.rows_per_robot, light.rows_per_pair, light.pairs) == (12, 8, 3)
     assert SetMembershipFilter.light(TEAM).pairs == 0
+    assert SetMembershipFilter(TEAM).corners
+    assert not SetMembershipFilter.light(TEAM).corners
 
 
 WAYS = {

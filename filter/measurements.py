@@ -11,11 +11,11 @@ Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landm
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, floats, instance, number, several, whole
+from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, floats, instance, number, read_only, several, settle, whole
 from filter.errors import InvalidInput
 
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
@@ -36,6 +36,13 @@ class _Record(Frozen):
         if arrays[0].ndim != 1:
             raise InvalidInput(f"{kind}: numbers or (k,) columns", f"shape {arrays[0].shape}")
         return values | dict(zip(columns, arrays, strict=True))
+
+    @classmethod
+    def of_checked(cls, time: float, columns: dict[str, np.ndarray]) -> Self:
+        """Return a record of columns that were checked before, without a look."""
+        record = object.__new__(cls)
+        settle(record, time=time, **{name: read_only(column) for name, column in columns.items()})
+        return record
 
 
 class _Sighting(_Record):

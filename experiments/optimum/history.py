@@ -20,7 +20,9 @@ from filter.projection.fallback import project_all
 from filter.projection.proved import NOTHING, Projection, position
 from filter.projection.stop import Stop
 from filter.sensing.motion import Displacements, displacements
-from filter.sensing.rows import TANGENT_SPACING, bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
+from filter.sensing.passes import Merging
+from filter.sensing.readings import Readings
+from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.belief import Belief
 from filter.team import Team
 
@@ -80,19 +82,12 @@ class History:
 
     def _measured(self, step: Step[Belief]) -> Constraints:
         """Return the rows of a step's bearings and ranges as the filter makes them, before it prunes."""
-        known, rows = step.predicted.polytope, []
-        for record in step.frame.measurements:
-            if isinstance(record, Bearing):
-                arcs = world_arcs(record, step.belief.headings[record.robot])
-                fresh = bearing_rows(record.robot, record.target, arcs, nobody(record.robot))
-                rows.append(on_robots(fresh, known, self.team.landmarks))
-        known = known.with_constraints(Constraints.concatenate([known.constraints, *rows]))
-        for record in step.frame.measurements:
-            if isinstance(record, Range):
-                arcs = spans_of_targets(known, self.team.landmarks, record.robot, record.target)
-                fresh = range_rows(record, arcs, nobody(record.robot), self.tangent_spacing)
-                rows.append(on_robots(fresh, known, self.team.landmarks))
-        return Constraints.concatenate([known.constraints.select(np.zeros(0, dtype=np.int64)), *rows])
+        before, team = step.predicted, self.team
+        readings = Readings.of(before.time, step.frame.measurements)
+        numbers = len(before.sources) + np.arange(len(readings.bearings.robot) + len(readings.ranges.robot) + team.robots)
+        parts = before.polytope, before.headings, readings, numbers, team.landmarks, self.tangent_spacing
+        rows = Merging(*parts).merged().polytope.constraints
+        return rows.select(rows.source >= len(before.sources))
 
 
 def optimum(history: History, step: int, stop: Stop) -> tuple[Projection, ...]:

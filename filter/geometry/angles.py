@@ -140,6 +140,10 @@ class AngularIntervals:
             raise InvalidInput(f"as many other arcs, {len(self)}", f"{len(other)} arcs")
         return AngularIntervals._of(*_intersections(self.centre, self.bound, other.centre, other.bound))
 
+    def narrowed(self, begin: Integers, end: Integers, others: AngularIntervals) -> AngularIntervals:
+        """Return the arcs cut by others, begin[k] to end[k] of them each; one of which that leaves nothing stays as it is."""
+        return AngularIntervals._of(*_narrowed(self.centre, self.bound, begin, end, others.centre, others.bound))
+
 
 @compiled
 def intersection(centre: float, bound: float, other_centre: float, other_bound: float) -> tuple[float, float]:
@@ -168,4 +172,17 @@ def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound
     arcs = np.empty((2, len(centre)))
     for k in range(len(centre)):
         arcs[0, k], arcs[1, k] = intersection(centre[k], bound[k], other_centre[k], other_bound[k])
+    return arcs
+
+
+@compiled
+def _narrowed(centre: Array, bound: Array, begin: Integers, end: Integers, other_centre: Array, other_bound: Array) -> Array:
+    """Return (2, k) centres and bounds."""
+    arcs = np.empty((2, len(centre)))
+    for k in range(len(centre)):
+        arcs[0, k], arcs[1, k] = centre[k], bound[k]
+        for m in range(begin[k], end[k]):
+            middle, half = intersection(arcs[0, k], arcs[1, k], other_centre[m], other_bound[m])
+            if half >= 0:
+                arcs[0, k], arcs[1, k] = middle, half
     return arcs

@@ -9,7 +9,7 @@ import numpy as np
 
 from filter.arrays import Array, Floats, Integers, Table
 
-Kind = Literal["initial set", "compass", "bearing", "range", "sighting", "odometry", "heading", "region"]
+Kind = Literal["initial set", "compass", "bearing", "range", "sighting", "odometry", "heading", "region", "cells"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 NOBODY = -1  # the target of what has none
 
@@ -20,7 +20,8 @@ class Source:
 
     Attributes:
         kind: A measurement ("compass", "bearing", "range", or "sighting" for a bearing with its range), a motion ("odometry"),
-            or what was known before: an "initial set", a "heading", or a "region", an earlier outer polygon.
+            or what was known before: an "initial set", a "heading", or a "region", an earlier outer polygon;
+            or "cells", all readings of one time that concern a robot, and what was known of its pose.
         time: When [s].
         robot: Who measured, or whose region or heading it is.
         target: What was measured, or None.

@@ -1,17 +1,14 @@
 """From measurements to headings: what compasses and bearings say of them."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, intersection
-from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
-from filter.measurements import Bearing, Compass, Measurement
-from filter.sensing.rows import spans_of_targets
+from filter.measurements import Bearing, Compass
+from filter.sensing.readings import Readings
 
 
 def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
@@ -24,24 +21,17 @@ def heading_arcs_of_bearing(record: Bearing, spans: AngularIntervals) -> Angular
     return spans.turned(-record.bearing, record.bound)
 
 
-def narrowed_headings(
-    headings: AngularIntervals, polytope: Polytope, measurements: Sequence[Measurement], landmarks: Array
-) -> AngularIntervals:
-    """Return the (n) headings after compasses, and bearings to targets whose direction the polytope roughly tells [rad].
+def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: AngularIntervals) -> AngularIntervals:
+    """Return the (n) headings after compasses, and bearings to targets whose directions are in (b) spans [rad].
 
     Raises `Inconsistent` if what is known and measured of a heading is proved to have nothing in common.
     """
-    found, sources = [AngularIntervals.circles(0)], Sources()
-    for record in measurements:
-        if isinstance(record, Compass):
-            found.append(heading_arcs_of_compass(record))
-            sources, _ = sources.extended("compass", record.time, record.robot)
-        elif isinstance(record, Bearing):
-            spans = spans_of_targets(polytope, landmarks, record.robot, record.target)
-            found.append(heading_arcs_of_bearing(record, spans))
-            sources, _ = sources.extended("bearing", record.time, record.robot, record.target)
+    compasses, bearings = readings.compasses, readings.bearings
+    found = heading_arcs_of_compass(compasses), heading_arcs_of_bearing(bearings, spans)
+    sources, _ = Sources().extended("compass", compasses.time, compasses.robot)
+    sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target)
     arcs = AngularIntervals(*(np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound")))
-    order = np.lexsort((arcs.centre, arcs.bound))  # the narrowest first: then the order they come in makes no difference
+    order = np.lexsort((arcs.centre, arcs.bound))  # the narrowest first
     centre, bound = headings.centre.copy(), headings.bound.copy()
     last = _intersect((centre, bound), (arcs.centre, arcs.bound), sources.robot, order)
     if last >= 0:

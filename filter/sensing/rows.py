@@ -4,8 +4,6 @@ Errata: the paper's first bearing row has a wrong sign (as printed it cuts off t
 its lower range row lacks a minus (as printed it says nothing).
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from filter.arrays import Array, Integers
@@ -15,17 +13,13 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.linear.sources import Kind, Sources
-from filter.measurements import Bearing, Compass, Measurement, Range
+from filter.measurements import Bearing, Range
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of area at most.
 TANGENT_SPACING = np.pi / 6
 # Every bearing is widened by this [rad] and every range by this share: far above rounding, far below any sensor. So errors
 # that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
 WIDENING = 1e-8
-KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range"}
-
-Numbered = Sequence[tuple[Measurement, Integers]]  # records with the numbers (k,) of their sources
 
 
 def world_arcs(record: Bearing, headings: AngularIntervals) -> AngularIntervals:
@@ -99,33 +93,3 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
     spans = AngularIntervals.circles(len(pairs)).replaced(fixed, seen)
     spans = spans.replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
     return spans[which].turned(np.where(robot > target, np.pi, 0.0))
-
-
-def merged(polytope: Polytope, headings: AngularIntervals, numbered: Numbered, landmarks: Array, spacing: float) -> Polytope:
-    """Return the team's polytope with the rows of bearings, and then of ranges, whose directions they narrow.
-
-    The (n) headings are narrowed already, by the same measurements; landmarks are (l, 2) [m]; `spacing` is the greatest angle
-    between two tangents of a range's far side [rad].
-    """
-    bearings = [(each, source) for each, source in numbered if isinstance(each, Bearing)]
-    rows = [bearing_rows(each.robot, each.target, world_arcs(each, headings[each.robot]), source) for each, source in bearings]
-    known = _with_rows(polytope, rows, landmarks)
-    ranges = [(each, source) for each, source in numbered if isinstance(each, Range)]
-    spans = [spans_of_targets(known, landmarks, each.robot, each.target) for each, _ in ranges]
-    rows = [range_rows(each, arcs, source, spacing) for (each, source), arcs in zip(ranges, spans, strict=True)]
-    return _with_rows(known, rows, landmarks)
-
-
-def numbered_of(sources: Sources, measurements: Sequence[Measurement]) -> tuple[Sources, Numbered]:
-    """Enter the records that make rows into the table; return it and each of these records with its (k,) numbers."""
-    numbered: list[tuple[Measurement, Integers]] = []
-    for record in measurements:
-        if not isinstance(record, Compass):
-            sources, numbers = sources.extended(KIND_OF[type(record)], record.time, record.robot, record.target)
-            numbered.append((record, numbers))
-    return sources, numbered
-
-
-def _with_rows(polytope: Polytope, rows: list[Constraints], landmarks: Array) -> Polytope:
-    more = [on_robots(each, polytope, landmarks) for each in rows]
-    return polytope.with_constraints(Constraints.concatenate([polytope.constraints, *more])) if more else polytope

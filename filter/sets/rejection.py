@@ -9,7 +9,7 @@ import numpy as np
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.measurements import Compass, Measurement, field_names
-from filter.sensing.rows import KIND_OF
+from filter.sensing.readings import KIND_OF
 from filter.sets.belief import Belief, Rejected
 
 TRIES = 64  # so many sets of measurements are tried before the search for the fewest is given up

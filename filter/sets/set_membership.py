@@ -20,9 +20,10 @@ from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sensing.headings import narrowed_headings
 from filter.sensing.motion import displacements, turned_headings
-from filter.sensing.rows import TANGENT_SPACING, merged, numbered_of
+from filter.sensing.passes import Merging
+from filter.sensing.readings import Readings
+from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.belief import Belief
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
@@ -30,6 +31,7 @@ from filter.sets.rejection import agreeing
 from filter.team import Team
 
 Policy = Literal["raise", "reject"]
+ANOTHER_ROUND = 0.97  # areas have to fall by this factor for another round to be worth it
 PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
 
 
@@ -121,7 +123,7 @@ class SetMembershipFilter(Frozen):
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
         """Return the belief after merging measurements taken at its time, with every region searched anew.
 
-        Their order makes no difference but to arcs wider than half a circle.
+        Their order, and how they are split into records, makes no difference to any bit.
 
         Raises `Inconsistent` if they are proved to exclude one another or what is known, as some bound is broken; with the
         policy "reject" only if none of these measurements is in the conflict.
@@ -144,18 +146,32 @@ class SetMembershipFilter(Frozen):
         return self._projector.pairs(belief.polytope, pairs).outlines.outer.turned_about(one > other)
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
+        """Merge and project; while what cells found of robots that measured one another makes regions smaller, once more."""
+        readings = Readings.of(belief.time, measurements)
+        found, again = self._round(belief, readings, is_over, np.zeros(0, dtype=np.int64))
+        while len(again) and readings.tie_robots(self.team.robots) and not is_over():
+            before = found.regions.outer.areas.sum()
+            later, again = self._round(found, readings, is_over, again)
+            found = replace(later, proofs=found.proofs + later.proofs, events=found.events + later.events)
+            if found.regions.outer.areas.sum() > ANOTHER_ROUND * before:
+                break
+        return found.compact()
+
+    def _round(self, belief: Belief, readings: Readings, is_over: IsOver, again: Integers) -> tuple[Belief, Integers]:
+        """Return the belief, and the robots that were found in cells; they are (c,) again, if they are wide."""
         self.on_phase("headings")
-        sources, numbered = numbered_of(belief.sources, measurements)
-        headings = narrowed_headings(belief.headings, belief.polytope, measurements, self.team.landmarks)
+        sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
-        polytope = merged(belief.polytope, headings, numbered, self.team.landmarks, self.tangent_spacing)
+        team = self.team.landmarks, self.tangent_spacing
+        merged = Merging(belief.polytope, belief.headings, readings, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
-        known = Belief(belief.time, self._pruned(polytope), headings, sources, belief.guarantee)
+        known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
         self.on_phase("project")
         found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")
         found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
-        return replace(found, polytope=self._pruned(found.polytope)).compact()
+        cells = np.array([case.robot for case in merged.cases], dtype=np.int64)
+        return replace(found, polytope=self._pruned(found.polytope)), cells
 
     @property
     def _projector(self) -> Projector:

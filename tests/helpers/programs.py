@@ -19,8 +19,8 @@ from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
-from filter.sensing.headings import narrowed_headings
-from filter.sensing.rows import merged, numbered_of
+from filter.sensing.passes import Merging
+from filter.sensing.readings import Readings
 from filter.sets.belief import Proof
 from filter.sets.set_membership import SetMembershipFilter
 
@@ -50,10 +50,15 @@ def merged_team(seed, robots=5, errors="uniform", steps=2):
     for motion, records in world.steps(steps):
         predicted = estimator.predict(belief, motion.time, motion)
         belief = estimator.update(predicted, records)
-    _, numbered = numbered_of(predicted.sources, records)
-    headings = narrowed_headings(predicted.headings, predicted.polytope, records, world.team.landmarks)
-    known = merged(predicted.polytope, headings, numbered, world.team.landmarks, estimator.tangent_spacing)
+    known = merging(predicted, records, world.team, estimator.tangent_spacing).merged().polytope
     return known.with_constraints(prune(known, estimator.rows_per_robot, estimator.rows_per_pair))
+
+
+def merging(belief, records, team, spacing):
+    """Return what is to be merged of records into a belief."""
+    readings = Readings.of(belief.time, records)
+    _, numbers = readings.numbered(belief.sources, team.robots)
+    return Merging(belief.polytope, belief.headings, readings, numbers, team.landmarks, spacing)
 
 
 def on_robot(robot, normal, offset, source):

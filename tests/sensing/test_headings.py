@@ -7,6 +7,8 @@ from helpers.worlds import World, of_robot
 from filter.errors import Inconsistent
 from filter.measurements import Bearing, Compass, Range
 from filter.sensing.headings import narrowed_headings
+from filter.sensing.readings import Readings
+from filter.sensing.rows import spans_of_targets
 from filter.sets.set_membership import SetMembershipFilter
 
 
@@ -17,7 +19,10 @@ def begun(seed, errors="uniform"):
 
 
 def narrowed(world, belief, records):
-    return narrowed_headings(belief.headings, belief.polytope, records, world.team.landmarks)
+    readings = Readings.of(belief.time, records)
+    bearings = readings.bearings
+    spans = spans_of_targets(belief.polytope, world.team.landmarks, bearings.robot, bearings.target)
+    return narrowed_headings(belief.headings, readings, spans)
 
 
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])

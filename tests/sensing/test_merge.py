@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from helpers.programs import merging
 from helpers.teams import begun
 from helpers.worlds import World, exact_row_slack
 
 from filter.guarantee import Guarantee
-from filter.linear.sources import Source, Sources
+from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Range
-from filter.sensing.headings import narrowed_headings
-from filter.sensing.rows import KIND_OF, merged, numbered_of
+from filter.sensing.readings import KIND_OF, Readings
 from filter.sets.belief import Belief
 from filter.sets.set_membership import SetMembershipFilter
 
@@ -22,24 +22,9 @@ def start(world):
 
 def taken(belief, world, records, spacing=SPACING):
     """Return a belief with the rows of records."""
-    sources, numbered = numbered_of(belief.sources, records)
-    headings = narrowed_headings(belief.headings, belief.polytope, records, world.team.landmarks)
-    polytope = merged(belief.polytope, headings, numbered, world.team.landmarks, spacing)
-    return Belief(0.0, polytope, headings, sources, Guarantee.full(len(headings)))
-
-
-def test_bearings_and_ranges_are_entered_in_order_and_compasses_are_not():
-    records = [Compass(1.0, [0, 1], [0.1, 0.2], 0.1), Range(1.0, [1, 0], [0, 2], 1.0, 0.1, 0), Bearing(1.0, 0, 1, 0.3, 0.1)]
-    before, _ = Sources().extended("initial set", 0.0, [0, 1])
-    table, numbered = numbered_of(before, records)
-    assert [record for record, _ in numbered] == records[1:]
-    assert [numbers.tolist() for _, numbers in numbered] == [[2, 3], [4]]
-    assert [table[k] for k in range(2, 5)] == [
-        Source("range", 1.0, 1, 0),
-        Source("range", 1.0, 0, 2),
-        Source("bearing", 1.0, 0, 1),
-    ]
-    assert set(KIND_OF) == {Compass, Bearing, Range}
+    sources, _ = Readings.of(belief.time, records).numbered(belief.sources, world.team.robots)
+    found = merging(belief, records, world.team, spacing).merged()
+    return Belief(0.0, found.polytope, found.headings, sources, Guarantee.full(len(found.headings)))
 
 
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])
@@ -92,5 +77,5 @@ def test_without_records_nothing_changes():
     world = World(np.random.default_rng(0))
     before = start(world)
     after = taken(before, world, [])
-    assert after.polytope is before.polytope
-    assert len(after.sources) == len(before.sources)
+    assert after.constraints.offset.tolist() == before.constraints.offset.tolist()
+    assert after.headings.bound.tolist() == before.headings.bound.tolist()

@@ -1,0 +1,168 @@
+"""Branch and prune of one robot's poses: cells are split until they are small for what was measured; the hull of what is left."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from filter.arrays import Array, Integers
+from filter.compiled import compiled
+from filter.geometry.angles import ANGLE_ROUNDING
+from filter.geometry.convex import EPSILON, hull_of
+from filter.geometry.simplify import edges_worth_keeping
+from filter.sensing.cell import CORNERS, Said, Scale, cut, pruned, where_to_split, wrapped
+
+CELLS = 64  # at a time, at most
+TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
+EDGES = 24  # of the hull, at most
+ROUNDINGS = 2.0**20  # so many at most, one upon the other, are in a vertex of a cell
+
+
+class Tree(NamedTuple):
+    """How a set of poses was split, for whoever wants to do it again; filled by `branch`, from the root 0 on.
+
+    Attributes:
+        line: (2 CELLS, 3) along which each piece was split (see `where_to_split`).
+        child: (2 CELLS,) the first of its two pieces, 0 where it was not.
+    """
+
+    line: Array
+    child: Integers
+
+    @classmethod
+    def blank(cls) -> "Tree":
+        """Return one to be filled."""
+        return cls(np.zeros((2 * CELLS, 3)), np.zeros(2 * CELLS, dtype=np.int64))
+
+
+class Pieces(NamedTuple):
+    """Cells that are left, and room for more of them.
+
+    Attributes:
+        corners: (CELLS, CORNERS, 2) of each.
+        size: (CELLS,) how many it has.
+        heading: (CELLS, 2) its arc, centre and bound [rad].
+        split: (CELLS, 4) how badly it is too wide, and the line to split it along (see `where_to_split`).
+        node: (CELLS,) where it is in the tree.
+        count: (1,) how many there are.
+    """
+
+    corners: Array
+    size: Integers
+    heading: Array
+    split: Array
+    node: Integers
+    count: Integers
+
+
+@compiled
+def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) -> Array:
+    """Return half-planes (k, 3), normal and offset, around all places that a robot can have; none if it is proved to have none.
+
+    It is in a polygon (v, 2), or no farther than a margin beyond it [m], with a heading in an arc (2,), centre and bound [rad],
+    which is narrowed in place.
+    """
+    largest = max(np.abs(start).max(), np.abs(said.points).max())
+    scale, room = Scale(largest, margin + ROUNDINGS * EPSILON * largest), np.empty((CORNERS + 2, 2))
+    left = Pieces(
+        np.empty((CELLS, CORNERS, 2)),
+        np.zeros(CELLS, dtype=np.int64),
+        np.empty((CELLS, 2)),
+        np.empty((CELLS, 4)),
+        np.zeros(CELLS, dtype=np.int64),
+        np.zeros(1, dtype=np.int64),
+    )
+    left.corners[0, : len(start)], left.heading[0] = start, heading
+    _prune(left, 0, len(start), said, scale, room)
+    left.count[0], nodes = int(left.size[0] > 0), 1
+    while 0 < left.count[0] < CELLS and nodes + 2 <= len(tree.child):
+        k = np.argmax(left.split[: left.count[0], 0])
+        if left.split[k, 0] <= TOLERANCE:
+            break
+        for m in range(3):
+            tree.line[left.node[k], m] = left.split[k, 1 + m]
+        tree.child[left.node[k]] = nodes
+        _split(left, k, nodes, said, scale, room)
+        nodes += 2
+    _hull_of_arcs(heading, left.heading[: left.count[0]])
+    return _outline(left, scale.margin)
+
+
+@compiled
+def _prune(left: Pieces, k: int, size: int, said: Said, scale: Scale, room: Array) -> None:
+    """Cut a piece by everything, and look how wide it is then."""
+    cell, arc = left.corners[k], left.heading[k]
+    left.size[k] = pruned(cell, size, arc, said, scale, room) if size else 0
+    if left.size[k]:
+        left.split[k, 0], left.split[k, 1], left.split[k, 2], left.split[k, 3] = where_to_split(
+            cell, left.size[k], arc, said, scale
+        )
+
+
+@compiled
+def _split(left: Pieces, k: int, node: int, said: Said, scale: Scale, room: Array) -> None:
+    """Put two pieces in the place of one, and cut both; those of which nothing is left are gone."""
+    (_, a, b, c), last = left.split[k], left.count[0]
+    _copy(left, k, last)
+    left.node[k], left.node[last] = node, node + 1
+    left.count[0] += 1
+    for piece, side in ((last, -1.0), (k, 1.0)):  # the one that another may take the place of comes last
+        size, arc = left.size[piece], left.heading[piece]
+        if a == 0 and b == 0:
+            arc[1] = arc[1] / 2 + ANGLE_ROUNDING
+            arc[0] = wrapped(arc[0] - side * arc[1])
+        else:
+            size = cut(left.corners[piece], size, side * a, side * b, side * c, scale.largest, room)
+        _prune(left, piece, size, said, scale, room)
+        if not left.size[piece]:
+            left.count[0] -= 1
+            _copy(left, left.count[0], piece)
+
+
+@compiled
+def _copy(left: Pieces, k: int, to: int) -> None:
+    for m in range(left.size[k]):
+        left.corners[to, m, 0], left.corners[to, m, 1] = left.corners[k, m, 0], left.corners[k, m, 1]
+    left.heading[to, 0], left.heading[to, 1] = left.heading[k, 0], left.heading[k, 1]
+    for m in range(4):
+        left.split[to, m] = left.split[k, m]
+    left.size[to], left.node[to] = left.size[k], left.node[k]
+
+
+@compiled
+def _hull_of_arcs(heading: Array, arcs: Array) -> None:
+    """Write an arc around all of (k, 2) arcs, if there are any and it is narrower."""
+    low, high = np.inf, -np.inf
+    for k in range(len(arcs)):
+        turn = wrapped(arcs[k, 0] - arcs[0, 0])
+        low, high = min(low, turn - arcs[k, 1]), max(high, turn + arcs[k, 1])
+    half = (high - low) / 2 + 2 * ANGLE_ROUNDING
+    if half < heading[1]:
+        heading[0], heading[1] = wrapped(arcs[0, 0] + (low + high) / 2), half
+
+
+@compiled
+def _outline(left: Pieces, margin: float) -> Array:
+    """Return half-planes (k, 3) around all pieces."""
+    corners, count = np.empty((left.size[: left.count[0]].sum(), 2)), 0
+    for k in range(left.count[0]):
+        for m in range(left.size[k]):
+            corners[count, 0], corners[count, 1] = left.corners[k, m, 0], left.corners[k, m, 1]
+            count += 1
+    if not count:
+        return np.empty((0, 3))
+    hull = hull_of(corners)
+    edges = len(hull) if len(hull) > 2 else 4
+    lines, level = np.empty((edges, 3)), np.empty(edges)
+    x, y = hull[:, 0].mean(), hull[:, 1].mean()
+    for k in range(edges):
+        angle = k * np.pi / 2
+        if edges == len(hull):
+            following = hull[(k + 1) % edges]
+            angle = np.arctan2(hull[k, 0] - following[0], following[1] - hull[k, 1])
+        lines[k, 0], lines[k, 1], lines[k, 2] = np.cos(angle), np.sin(angle), -np.inf
+        for m in range(len(hull)):
+            lines[k, 2] = max(lines[k, 2], lines[k, 0] * hull[m, 0] + lines[k, 1] * hull[m, 1])
+        level[k] = lines[k, 2] - lines[k, 0] * x - lines[k, 1] * y
+        lines[k, 2] += 2 * margin
+    keep, _ = edges_worth_keeping(lines[:, :2], level, np.ones(edges, dtype=np.bool_), EDGES, 0.0)
+    return lines[keep]

@@ -1,0 +1,255 @@
+"""Cells: sets of poses of one robot, each a polygon of places with an arc of headings, cut by what was measured; compiled.
+
+A range's band is hollow and a wide bearing is no convex set, so in one piece they say little. In a small cell the direction of
+a target is narrow, and both say what they can. So a set of poses is split, pieces are cut, and those proved empty are dropped:
+branch and prune, from interval analysis (Jaulin et al., Applied Interval Analysis, 2001).
+
+Targets are sets, too: convex hulls of points, laid end to end. A sector (4,) is a bearing and its bound [rad], least and
+greatest range [m]; without a bearing the bound is pi, without a range they are 0 and infinite. Polygons err outward: what is
+meant is within the cell's `margin` of the hull of its vertices.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from filter.arrays import Array, Integers, Mask
+from filter.compiled import compiled
+from filter.geometry.angles import ANGLE_ROUNDING, intersection
+from filter.geometry.convex import EPSILON, area_of
+from filter.geometry.sector import far_and_near, sides
+from filter.sensing.rows import WIDENING
+
+CORNERS = 64  # of a cell at most: a half-plane that would make more is left out
+ROUNDS = 3  # in which a cell is cut by everything, as long as
+SHRUNK = 0.9  # that leaves less than this share of its area
+WORTH_A_SLICE = 2  # bearings by a robot itself, from which on it is worth to split its heading
+FINEST = 1e-3  # a heading is not split for bearings that are finer than this [rad]
+OFF_THE_EDGE = 1e-3  # a line that is so near the edge of a cell, in its width, splits nothing off
+
+
+class Said(NamedTuple):
+    """What was measured by or of one robot, target after target, bearings before ranges.
+
+    Attributes:
+        sector: (q, 4) of each reading.
+        own: (q,) whether its bearing is from the robot's own heading; otherwise it is a direction in the world.
+        first: (t + 1,) where the readings of each target begin.
+        points: (p, 2) where the targets can be [m].
+        point_first: (t + 1,) where the points of each begin.
+        spacing: Greatest angle between two tangents of a range's far side [rad].
+    """
+
+    sector: Array
+    own: Mask
+    first: Integers
+    points: Array
+    point_first: Integers
+    spacing: float
+
+
+class Scale(NamedTuple):
+    """How large numbers are.
+
+    Attributes:
+        largest: No coordinate is larger [m].
+        margin: How far cells and targets can reach beyond the hulls of their points [m].
+    """
+
+    largest: float
+    margin: float
+
+
+@compiled
+def cut(cell: Array, size: int, x: float, y: float, offset: float, largest: float, room: Array) -> int:
+    """Cut a cell in place by (x, y) . p <= offset; return how many vertices are left, 0 if that is proved to be none.
+
+    Coordinates are no larger than `largest` [m]. What is cut errs outward as in `clip_box`.
+    """
+    level, some = offset + 8 * EPSILON * (abs(offset) + (abs(x) + abs(y)) * largest), False
+    for m in range(size):
+        some = some or x * cell[m, 0] + y * cell[m, 1] > level
+    if not some or size + 2 > CORNERS:
+        return size
+    kept = 0
+    for m in range(size):
+        before = m - 1 if m else size - 1
+        last, now = x * cell[before, 0] + y * cell[before, 1] - level, x * cell[m, 0] + y * cell[m, 1] - level
+        if (last > 0) != (now > 0):
+            share = last / (last - now)
+            room[kept, 0] = cell[before, 0] + share * (cell[m, 0] - cell[before, 0])
+            room[kept, 1] = cell[before, 1] + share * (cell[m, 1] - cell[before, 1])
+            kept += 1
+        if now <= 0:
+            room[kept, 0], room[kept, 1] = cell[m, 0], cell[m, 1]
+            kept += 1
+    for m in range(kept):
+        cell[m, 0], cell[m, 1] = room[m, 0], room[m, 1]
+    return kept
+
+
+@compiled
+def directions(cell: Array, size: int, points: Array, nearest: float, margin: float) -> tuple[float, float, float]:
+    """Return an arc of the directions in which points of the hull of `points` are from places of a cell, and the farthest [m].
+
+    That is, from places at least `nearest` away from them [m]; sets reach as far as `margin` beyond their hulls [m]. The bound
+    is pi where no direction is excluded for sure.
+
+    Algorithm:
+        Differences of hulls lie in a cone with its tip at the origin; what is beyond it by a few margins is turned by an angle
+        that is small where differences are long. A cone wider than a half-plane is one, and what is behind is beyond it.
+    """
+    first = last = np.zeros(2)
+    farthest, least = 0.0, np.inf
+    for m in range(size):
+        for t in range(len(points)):
+            apart = points[t] - cell[m]
+            farthest = max(farthest, np.hypot(apart[0], apart[1]))
+            if abs(apart[0]) + abs(apart[1]) <= margin:
+                continue  # in whatever direction
+            if not first.any():
+                first = last = apart
+            elif _across(last, apart) > 0:
+                last = apart
+            elif _across(first, apart) < 0:
+                first = apart
+    farthest += 2 * margin
+    centre = np.arctan2(first[1], first[0]) + np.arctan2(_across(first, last), first @ last) / 2
+    ahead, bound = np.array([np.cos(centre), np.sin(centre)]), 0.0
+    for m in range(size):
+        for t in range(len(points)):
+            apart = points[t] - cell[m]
+            least = min(least, ahead @ apart)
+            if abs(apart[0]) + abs(apart[1]) > margin:
+                bound = max(bound, abs(np.arctan2(_across(ahead, apart), ahead @ apart)))
+    beyond = 2 * margin + max(0.0, -least)  # out of a cone that is no wider than a half-plane
+    away = max(nearest, least) - 2 * beyond
+    if away <= 4 * beyond:
+        return 0.0, np.pi, farthest
+    return wrapped(centre), min(bound, np.pi / 2) + 2 * beyond / away + 4 * ANGLE_ROUNDING, farthest
+
+
+@compiled
+def _across(a: Array, b: Array) -> float:
+    return a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def pruned(cell: Array, size: int, heading: Array, said: Said, scale: Scale, room: Array) -> int:
+    """Cut a cell and its heading in place by everything that was said; return how many vertices are left, 0 if none."""
+    for _ in range(ROUNDS):
+        before = area_of(cell[:size])
+        for t in range(len(said.first) - 1):
+            size = _seen(cell, size, heading, t, said, scale, room)
+            if size == 0:
+                return 0
+        if area_of(cell[:size]) >= SHRUNK * before:
+            break
+    return size
+
+
+@compiled
+def _seen(cell: Array, size: int, heading: Array, t: int, said: Said, scale: Scale, room: Array) -> int:
+    """Cut a cell by the readings of one target."""
+    points = said.points[said.point_first[t] : said.point_first[t + 1]]
+    centre, bound, farthest = directions(cell, size, points, _nearest(said, t), scale.margin)
+    for q in range(said.first[t], said.first[t + 1]):
+        value, half, least, greatest = said.sector[q]
+        if half < np.pi:
+            if said.own[q]:
+                heading[0], heading[1] = intersection(heading[0], heading[1], wrapped(centre - value), bound + half + WIDENING)
+                if heading[1] < 0:
+                    return 0
+                value, half = wrapped(heading[0] + value), half + heading[1]
+            half += WIDENING
+            if half < np.pi / 2:
+                for normal in sides(value, half):
+                    size = _behind(cell, size, normal, 0.0, points, scale, room)
+            centre, bound = intersection(centre, bound, value, min(half, np.pi))
+        if bound < 0 or size == 0 or farthest < least * (1 - WIDENING):
+            return 0
+        if greatest < np.inf:
+            wide = min(bound + WIDENING, np.pi)
+            normals, offsets = far_and_near(centre, wide, least * (1 - WIDENING), greatest * (1 + WIDENING), said.spacing)
+            for k in range(len(offsets)):
+                size = _behind(cell, size, normals[k], offsets[k], points, scale, room)
+            if size == 0:
+                return 0
+    return size
+
+
+@compiled
+def _behind(cell: Array, size: int, normal: Array, offset: float, points: Array, scale: Scale, room: Array) -> int:
+    """Cut a cell by normal . (q - x) <= offset for some point q of a target."""
+    most = -np.inf
+    for t in range(len(points)):
+        most = max(most, -normal[0] * points[t, 0] - normal[1] * points[t, 1])
+    return cut(cell, size, -normal[0], -normal[1], offset + most + scale.margin, scale.largest, room)
+
+
+@compiled
+def _nearest(said: Said, t: int) -> float:
+    """Return the least distance to a target that ranges leave [m]."""
+    nearest = 0.0
+    for q in range(said.first[t], said.first[t + 1]):
+        nearest = max(nearest, said.sector[q, 2])
+    return nearest
+
+
+@compiled
+def wrapped(angle: float) -> float:
+    """Return an angle in (-pi, pi] [rad]."""
+    return angle - 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))
+
+
+@compiled
+def where_to_split(cell: Array, size: int, heading: Array, said: Said, scale: Scale) -> tuple[float, float, float, float]:
+    """Return how badly a cell is too wide, and the line a x + b y = c to split it along; a = b = 0 is for a heading c.
+
+    For a range that is how far the chord of its directions is inside the circle, in widths of the band, or of the cell if that
+    is thinner; for the heading, how wide it is in the least bound of two bearings or more.
+    """
+    worst, line, bearings, finest = 0.0, (0.0, 0.0, 0.0), 0, np.inf
+    for t in range(len(said.first) - 1):
+        points = said.points[said.point_first[t] : said.point_first[t + 1]]
+        centre, bound, _ = directions(cell, size, points, _nearest(said, t), scale.margin)
+        x, y = points[:, 0].mean(), points[:, 1].mean()
+        extent = 2 * np.sqrt(((points[:, 0] - x) ** 2 + (points[:, 1] - y) ** 2).max())
+        for q in range(said.first[t], said.first[t + 1]):
+            value, half, least, greatest = said.sector[q]
+            if half < np.pi:
+                own = said.own[q]
+                bearings, finest = bearings + own, min(finest, half) if own else finest
+                way = wrapped(heading[0] + value) if own else value
+                narrowed = intersection(centre, bound, way, min(np.pi, half + heading[1] * own))
+                centre, bound = narrowed if narrowed[1] >= 0 else (centre, bound)
+            if greatest < np.inf:
+                across = min(greatest - least + extent, _width(cell, size, centre)) + scale.margin
+                need = least * (1 - np.cos(bound)) / across
+                if need > worst:
+                    worst, line = need, _line(cell, size, centre, bound, x, y)
+    need = heading[1] / max(finest, FINEST) if bearings >= WORTH_A_SLICE else 0.0
+    return (need, 0.0, 0.0, heading[0]) if need > worst else (worst, *line)
+
+
+@compiled
+def _width(cell: Array, size: int, direction: float) -> float:
+    """Return how wide a cell is along a direction [m]."""
+    low, high, x, y = np.inf, -np.inf, np.cos(direction), np.sin(direction)
+    for m in range(size):
+        along = x * cell[m, 0] + y * cell[m, 1]
+        low, high = min(low, along), max(high, along)
+    return high - low
+
+
+@compiled
+def _line(cell: Array, size: int, centre: float, bound: float, x: float, y: float) -> tuple[float, float, float]:
+    """Return a line through a point in the middle of an arc, or across the longer side; through the cell's middle if it misses."""
+    extent = np.array([np.ptp(cell[:size, 0]), np.ptp(cell[:size, 1])])
+    a, b = -np.sin(centre), np.cos(centre)
+    if bound >= np.pi:
+        a, b = (1.0, 0.0) if extent[0] >= extent[1] else (0.0, 1.0)
+    along = a * cell[:size, 0] + b * cell[:size, 1]
+    low, high, through = along.min(), along.max(), a * x + b * y
+    hair = OFF_THE_EDGE * (high - low)
+    return a, b, through if low + hair < through < high - hair else (low + high) / 2

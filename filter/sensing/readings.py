@@ -1,0 +1,65 @@
+"""The measurements of one time in one order: whatever records they come in, shuffled, split or twice, no bit is another."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from filter.arrays import Integers
+from filter.linear.sources import NOBODY, Kind, Source, Sources
+from filter.measurements import Bearing, Compass, Measurement, Range, field_names
+
+KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range"}
+WHO = ("robot", "target")
+EMPTY = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
+Record = TypeVar("Record", Compass, Bearing, Range)
+
+
+class Readings(NamedTuple):
+    """One record of each kind, with every single measurement once, sorted by its columns.
+
+    Attributes:
+        compasses: (c)
+        bearings: (b)
+        ranges: (r)
+    """
+
+    compasses: Compass
+    bearings: Bearing
+    ranges: Range
+
+    @classmethod
+    def of(cls, time: float, measurements: Sequence[Measurement]) -> "Readings":
+        """Return measurements that were taken at one time [s]."""
+        return cls(*(_sorted(kind, time, measurements) for kind in (Compass, Bearing, Range)))
+
+    def numbered(self, sources: Sources, robots: int) -> tuple[Sources, Integers]:
+        """Enter what makes rows into a table; return it, and the numbers (b + r + n,) of bearings, ranges and n robots' cells."""
+        first = len(sources)
+        for record in (self.bearings, self.ranges):
+            sources, _ = sources.extended(KIND_OF[type(record)], record.time, record.robot, record.target)
+        sources, _ = sources.extended("cells", self.ranges.time, np.arange(robots))
+        return sources, np.arange(first, len(sources))
+
+    def tie_robots(self, robots: int) -> bool:
+        """Return whether one of n robots measured another."""
+        return bool((self.bearings.target < robots).any() or (self.ranges.target < robots).any())
+
+    def concerning(self, robot: int) -> list[Source]:
+        """Return all readings by a robot, or of it."""
+        found, nobody = list[Source](), np.full(len(self.compasses.robot), NOBODY)
+        for record, target in ((self.compasses, nobody), (self.bearings, self.bearings.target), (self.ranges, self.ranges.target)):
+            table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, target)
+            found += [table[k] for k in np.flatnonzero((record.robot == robot) | (target == robot)).tolist()]
+        return found
+
+
+def _sorted(kind: type[Record], time: float, measurements: Sequence[Measurement]) -> Record:
+    some = [each for each in measurements if isinstance(each, kind)]
+    names = field_names(kind)
+    columns = [np.concatenate([EMPTY[name in WHO], *(getattr(each, name) for each in some)]) + 0 for name in names]  # no -0.0
+    order = np.lexsort(columns[::-1])
+    columns = [column[order] for column in columns]
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    return kind.of_checked(time, {name: column[new] for name, column in zip(names, columns, strict=True)})

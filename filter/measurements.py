@@ -15,7 +15,21 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, floats, instance, number, read_only, several, settle, whole
+from filter.arrays import (
+    Array,
+    Floats,
+    Frozen,
+    Integers,
+    checked,
+    finite,
+    floats,
+    instance,
+    number,
+    read_only,
+    settle,
+    several,
+    whole,
+)
 from filter.errors import InvalidInput
 
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")

@@ -15,7 +15,6 @@ from filter.arrays import Array, Integers
 from filter.geometry.polygon import Polygon, clip
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Range
 from filter.projection.fallback import project_all
 from filter.projection.proved import NOTHING, Projection, position
 from filter.projection.stop import Stop

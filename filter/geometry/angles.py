@@ -142,7 +142,7 @@ class AngularIntervals:
 
     def narrowed(self, begin: Integers, end: Integers, others: AngularIntervals) -> AngularIntervals:
         """Return the arcs cut by others, begin[k] to end[k] of them each; one of which that leaves nothing stays as it is."""
-        return AngularIntervals._of(*_narrowed(self.centre, self.bound, begin, end, others.centre, others.bound))
+        return AngularIntervals._of(*_narrowed((self.centre, self.bound), begin, end, (others.centre, others.bound)))
 
 
 @compiled
@@ -176,13 +176,12 @@ def _intersections(centre: Array, bound: Array, other_centre: Array, other_bound
 
 
 @compiled
-def _narrowed(centre: Array, bound: Array, begin: Integers, end: Integers, other_centre: Array, other_bound: Array) -> Array:
+def _narrowed(arcs: tuple[Array, Array], begin: Integers, end: Integers, others: tuple[Array, Array]) -> Array:
     """Return (2, k) centres and bounds."""
-    arcs = np.empty((2, len(centre)))
-    for k in range(len(centre)):
-        arcs[0, k], arcs[1, k] = centre[k], bound[k]
+    left = np.stack(arcs)
+    for k in range(len(begin)):
         for m in range(begin[k], end[k]):
-            middle, half = intersection(arcs[0, k], arcs[1, k], other_centre[m], other_bound[m])
-            if half >= 0:
-                arcs[0, k], arcs[1, k] = middle, half
-    return arcs
+            centre, bound = intersection(left[0, k], left[1, k], others[0][m], others[1][m])
+            if bound >= 0:
+                left[0, k], left[1, k] = centre, bound
+    return left

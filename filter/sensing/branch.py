@@ -1,4 +1,4 @@
-"""Branch and prune of one robot's poses: cells are split until they are small for what was measured; the hull of what is left."""
+"""Branch and prune of one robot's poses: cells are split until they are small for what was measured."""
 
 from typing import NamedTuple
 
@@ -43,7 +43,7 @@ class Pieces(NamedTuple):
         heading: (CELLS, 2) its arc, centre and bound [rad].
         split: (CELLS, 4) how badly it is too wide, and the line to split it along (see `where_to_split`).
         node: (CELLS,) where it is in the tree.
-        count: (1,) how many there are.
+        alive: (1,) how many there are.
     """
 
     corners: Array
@@ -51,7 +51,7 @@ class Pieces(NamedTuple):
     heading: Array
     split: Array
     node: Integers
-    count: Integers
+    alive: Integers
 
 
 @compiled
@@ -62,7 +62,7 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
     which is narrowed in place.
     """
     largest = max(np.abs(start).max(), np.abs(said.points).max())
-    scale, room = Scale(largest, margin + ROUNDINGS * EPSILON * largest), np.empty((CORNERS + 2, 2))
+    scale = Scale(largest, margin + ROUNDINGS * EPSILON * largest, np.empty((CORNERS + 2, 2)))
     left = Pieces(
         np.empty((CELLS, CORNERS, 2)),
         np.zeros(CELLS, dtype=np.int64),
@@ -72,50 +72,49 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
         np.zeros(1, dtype=np.int64),
     )
     left.corners[0, : len(start)], left.heading[0] = start, heading
-    _prune(left, 0, len(start), said, scale, room)
-    left.count[0], nodes = int(left.size[0] > 0), 1
-    while 0 < left.count[0] < CELLS and nodes + 2 <= len(tree.child):
-        k = np.argmax(left.split[: left.count[0], 0])
+    _prune(left, 0, len(start), said, scale)
+    left.alive[0], nodes = int(left.size[0] > 0), 1
+    while 0 < left.alive[0] < CELLS and nodes + 2 <= len(tree.child):
+        k = int(np.argmax(left.split[: left.alive[0], 0]))
         if left.split[k, 0] <= TOLERANCE:
             break
         for m in range(3):
             tree.line[left.node[k], m] = left.split[k, 1 + m]
         tree.child[left.node[k]] = nodes
-        _split(left, k, nodes, said, scale, room)
+        _split(left, k, nodes, said, scale)
         nodes += 2
-    _hull_of_arcs(heading, left.heading[: left.count[0]])
+    _hull_of_arcs(heading, left.heading[: left.alive[0]])
     return _outline(left, scale.margin)
 
 
 @compiled
-def _prune(left: Pieces, k: int, size: int, said: Said, scale: Scale, room: Array) -> None:
+def _prune(left: Pieces, k: int, size: int, said: Said, scale: Scale) -> None:
     """Cut a piece by everything, and look how wide it is then."""
-    cell, arc = left.corners[k], left.heading[k]
-    left.size[k] = pruned(cell, size, arc, said, scale, room) if size else 0
+    pose = left.corners[k], left.heading[k]
+    left.size[k] = pruned(pose, size, said, scale) if size else 0
     if left.size[k]:
-        left.split[k, 0], left.split[k, 1], left.split[k, 2], left.split[k, 3] = where_to_split(
-            cell, left.size[k], arc, said, scale
-        )
+        need, x, y, offset = where_to_split(pose, left.size[k], said, scale)
+        left.split[k, 0], left.split[k, 1], left.split[k, 2], left.split[k, 3] = need, x, y, offset
 
 
 @compiled
-def _split(left: Pieces, k: int, node: int, said: Said, scale: Scale, room: Array) -> None:
+def _split(left: Pieces, k: int, node: int, said: Said, scale: Scale) -> None:
     """Put two pieces in the place of one, and cut both; those of which nothing is left are gone."""
-    (_, a, b, c), last = left.split[k], left.count[0]
+    (_, x, y, offset), last = left.split[k], left.alive[0]
     _copy(left, k, last)
     left.node[k], left.node[last] = node, node + 1
-    left.count[0] += 1
+    left.alive[0] += 1
     for piece, side in ((last, -1.0), (k, 1.0)):  # the one that another may take the place of comes last
         size, arc = left.size[piece], left.heading[piece]
-        if a == 0 and b == 0:
+        if x == 0 and y == 0:
             arc[1] = arc[1] / 2 + ANGLE_ROUNDING
             arc[0] = wrapped(arc[0] - side * arc[1])
         else:
-            size = cut(left.corners[piece], size, side * a, side * b, side * c, scale.largest, room)
-        _prune(left, piece, size, said, scale, room)
+            size = cut(left.corners[piece], size, (side * x, side * y, side * offset), scale)
+        _prune(left, piece, size, said, scale)
         if not left.size[piece]:
-            left.count[0] -= 1
-            _copy(left, left.count[0], piece)
+            left.alive[0] -= 1
+            _copy(left, left.alive[0], piece)
 
 
 @compiled
@@ -136,15 +135,15 @@ def _hull_of_arcs(heading: Array, arcs: Array) -> None:
         turn = wrapped(arcs[k, 0] - arcs[0, 0])
         low, high = min(low, turn - arcs[k, 1]), max(high, turn + arcs[k, 1])
     half = (high - low) / 2 + 2 * ANGLE_ROUNDING
-    if half < heading[1]:
+    if len(arcs) and half < heading[1]:
         heading[0], heading[1] = wrapped(arcs[0, 0] + (low + high) / 2), half
 
 
 @compiled
 def _outline(left: Pieces, margin: float) -> Array:
     """Return half-planes (k, 3) around all pieces."""
-    corners, count = np.empty((left.size[: left.count[0]].sum(), 2)), 0
-    for k in range(left.count[0]):
+    corners, count = np.empty((left.size[: left.alive[0]].sum(), 2)), 0
+    for k in range(left.alive[0]):
         for m in range(left.size[k]):
             corners[count, 0], corners[count, 1] = left.corners[k, m, 0], left.corners[k, m, 1]
             count += 1

@@ -49,24 +49,31 @@ class Said(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """How large numbers are.
+    """How large numbers are, and room to work in.
 
     Attributes:
         largest: No coordinate is larger [m].
         margin: How far cells and targets can reach beyond the hulls of their points [m].
+        room: (CORNERS + 2, 2) scratch.
     """
 
     largest: float
     margin: float
+    room: Array
+
+
+Line = tuple[float, float, float]  # x, y and offset of x p_x + y p_y = offset
+Pose = tuple[Array, Array]  # room for the vertices of a cell (CORNERS, 2) [m], and its heading (2,), centre and bound [rad]
 
 
 @compiled
-def cut(cell: Array, size: int, x: float, y: float, offset: float, largest: float, room: Array) -> int:
-    """Cut a cell in place by (x, y) . p <= offset; return how many vertices are left, 0 if that is proved to be none.
+def cut(cell: Array, size: int, line: Line, scale: Scale) -> int:
+    """Cut a cell in place by x p_x + y p_y <= offset; return how many vertices are left, 0 if that is proved to be none.
 
-    Coordinates are no larger than `largest` [m]. What is cut errs outward as in `clip_box`.
+    What is cut errs outward as in `clip_box`.
     """
-    level, some = offset + 8 * EPSILON * (abs(offset) + (abs(x) + abs(y)) * largest), False
+    (x, y, offset), room = line, scale.room
+    level, some = offset + 8 * EPSILON * (abs(offset) + (abs(x) + abs(y)) * scale.largest), False
     for m in range(size):
         some = some or x * cell[m, 0] + y * cell[m, 1] > level
     if not some or size + 2 > CORNERS:
@@ -135,22 +142,23 @@ def _across(a: Array, b: Array) -> float:
 
 
 @compiled
-def pruned(cell: Array, size: int, heading: Array, said: Said, scale: Scale, room: Array) -> int:
+def pruned(pose: Pose, size: int, said: Said, scale: Scale) -> int:
     """Cut a cell and its heading in place by everything that was said; return how many vertices are left, 0 if none."""
     for _ in range(ROUNDS):
-        before = area_of(cell[:size])
+        before = area_of(pose[0][:size])
         for t in range(len(said.first) - 1):
-            size = _seen(cell, size, heading, t, said, scale, room)
+            size = _seen(pose, size, t, said, scale)
             if size == 0:
                 return 0
-        if area_of(cell[:size]) >= SHRUNK * before:
+        if area_of(pose[0][:size]) >= SHRUNK * before:
             break
     return size
 
 
 @compiled
-def _seen(cell: Array, size: int, heading: Array, t: int, said: Said, scale: Scale, room: Array) -> int:
+def _seen(pose: Pose, size: int, t: int, said: Said, scale: Scale) -> int:
     """Cut a cell by the readings of one target."""
+    cell, heading = pose
     points = said.points[said.point_first[t] : said.point_first[t + 1]]
     centre, bound, farthest = directions(cell, size, points, _nearest(said, t), scale.margin)
     for q in range(said.first[t], said.first[t + 1]):
@@ -164,7 +172,7 @@ def _seen(cell: Array, size: int, heading: Array, t: int, said: Said, scale: Sca
             half += WIDENING
             if half < np.pi / 2:
                 for normal in sides(value, half):
-                    size = _behind(cell, size, normal, 0.0, points, scale, room)
+                    size = _behind(cell, size, (normal[0], normal[1], 0.0), points, scale)
             centre, bound = intersection(centre, bound, value, min(half, np.pi))
         if bound < 0 or size == 0 or farthest < least * (1 - WIDENING):
             return 0
@@ -172,19 +180,19 @@ def _seen(cell: Array, size: int, heading: Array, t: int, said: Said, scale: Sca
             wide = min(bound + WIDENING, np.pi)
             normals, offsets = far_and_near(centre, wide, least * (1 - WIDENING), greatest * (1 + WIDENING), said.spacing)
             for k in range(len(offsets)):
-                size = _behind(cell, size, normals[k], offsets[k], points, scale, room)
+                size = _behind(cell, size, (normals[k, 0], normals[k, 1], offsets[k]), points, scale)
             if size == 0:
                 return 0
     return size
 
 
 @compiled
-def _behind(cell: Array, size: int, normal: Array, offset: float, points: Array, scale: Scale, room: Array) -> int:
-    """Cut a cell by normal . (q - x) <= offset for some point q of a target."""
-    most = -np.inf
+def _behind(cell: Array, size: int, line: Line, points: Array, scale: Scale) -> int:
+    """Cut a cell by (x, y) . (q - p) <= offset for some point q of a target."""
+    (x, y, offset), most = line, -np.inf
     for t in range(len(points)):
-        most = max(most, -normal[0] * points[t, 0] - normal[1] * points[t, 1])
-    return cut(cell, size, -normal[0], -normal[1], offset + most + scale.margin, scale.largest, room)
+        most = max(most, -x * points[t, 0] - y * points[t, 1])
+    return cut(cell, size, (-x, -y, offset + most + scale.margin), scale)
 
 
 @compiled
@@ -203,13 +211,13 @@ def wrapped(angle: float) -> float:
 
 
 @compiled
-def where_to_split(cell: Array, size: int, heading: Array, said: Said, scale: Scale) -> tuple[float, float, float, float]:
-    """Return how badly a cell is too wide, and the line a x + b y = c to split it along; a = b = 0 is for a heading c.
+def where_to_split(pose: Pose, size: int, said: Said, scale: Scale) -> tuple[float, float, float, float]:
+    """Return how badly a cell is too wide, and the line to split it along; one without a direction is for a heading.
 
     For a range that is how far the chord of its directions is inside the circle, in widths of the band, or of the cell if that
     is thinner; for the heading, how wide it is in the least bound of two bearings or more.
     """
-    worst, line, bearings, finest = 0.0, (0.0, 0.0, 0.0), 0, np.inf
+    (cell, heading), worst, line, bearings, finest = pose, 0.0, (0.0, 0.0, 0.0), 0, np.inf
     for t in range(len(said.first) - 1):
         points = said.points[said.point_first[t] : said.point_first[t + 1]]
         centre, bound, _ = directions(cell, size, points, _nearest(said, t), scale.margin)
@@ -227,7 +235,7 @@ def where_to_split(cell: Array, size: int, heading: Array, said: Said, scale: Sc
                 across = min(greatest - least + extent, _width(cell, size, centre)) + scale.margin
                 need = least * (1 - np.cos(bound)) / across
                 if need > worst:
-                    worst, line = need, _line(cell, size, centre, bound, x, y)
+                    worst, line = need, _line(cell, size, (centre, bound), (x, y))
     need = heading[1] / max(finest, FINEST) if bearings >= WORTH_A_SLICE else 0.0
     return (need, 0.0, 0.0, heading[0]) if need > worst else (worst, *line)
 
@@ -243,8 +251,9 @@ def _width(cell: Array, size: int, direction: float) -> float:
 
 
 @compiled
-def _line(cell: Array, size: int, centre: float, bound: float, x: float, y: float) -> tuple[float, float, float]:
-    """Return a line through a point in the middle of an arc, or across the longer side; through the cell's middle if it misses."""
+def _line(cell: Array, size: int, arc: tuple[float, float], point: tuple[float, float]) -> Line:
+    """Return a line through a point, in the middle of an arc or across the longer side; if that misses the cell, its middle."""
+    (centre, bound), (x, y) = arc, point
     extent = np.array([np.ptp(cell[:size, 0]), np.ptp(cell[:size, 1])])
     a, b = -np.sin(centre), np.cos(centre)
     if bound >= np.pi:

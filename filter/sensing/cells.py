@@ -27,20 +27,26 @@ class Told(Frozen):
         target: (m,) of what.
         sector: (m, 4) see `cell`.
         own: (m,) whether the bearing is from the robot's own heading.
+        landmarks: (l, 2) [m].
+        spacing: Greatest angle between two tangents of a range's far side [rad].
     """
 
     robot: Integers
     target: Integers
     sector: Array
     own: Mask
+    landmarks: Array
+    spacing: float
 
     @classmethod
-    def of(cls, readings: Readings, headings: AngularIntervals) -> "Told":
+    def of(cls, readings: Readings, headings: AngularIntervals, landmarks: Array, spacing: float) -> "Told":
         """Return what readings say, given the (n) headings [rad]."""
         _, bearings, ranges = readings
         count, robots = len(bearings.robot), len(headings)
         ways = world_arcs(bearings, headings[bearings.robot]).turned(np.pi)
-        of_bearings, back = (_sectors(value, bound) for value, bound in ((bearings.bearing, bearings.bound), (ways.centre, ways.bound)))
+        of_bearings, back = (
+            _sectors(value, bound) for value, bound in ((bearings.bearing, bearings.bound), (ways.centre, ways.bound))
+        )
         of_ranges = _sectors(np.zeros(len(ranges.robot)), np.full(len(ranges.robot), np.pi))
         of_ranges[:, 2], of_ranges[:, 3] = ranges.interval()
         robot = np.concatenate([bearings.robot, bearings.target, ranges.robot, ranges.target])
@@ -50,19 +56,21 @@ class Told(Frozen):
         is_range = np.arange(len(robot)) >= 2 * count
         order = np.lexsort((is_range, target, robot))
         order = order[robot[order] < robots]
-        return cls(robot[order], target[order], sector[order], own[order])
+        return cls(robot[order], target[order], sector[order], own[order], landmarks, spacing)
 
-    def said(self, robot: int, bodies: Polygons, landmarks: Array, spacing: float) -> Said:
-        """Return what was said of one robot, where mates are sets (n) and landmarks (l, 2) points [m]."""
+    def said(self, robot: int, bodies: Polygons) -> Said:
+        """Return what was said of one robot, where its mates are sets (n) [m]."""
         begin, end = np.searchsorted(self.robot, [robot, robot + 1])
         targets, first = np.unique(self.target[begin:end], return_index=True)
         hulls = [
-            bodies.vertices[bodies.first[t] : bodies.first[t + 1]] if t < len(bodies) else landmarks[t - len(bodies)][None]
+            bodies.vertices[bodies.first[t] : bodies.first[t + 1]] if t < len(bodies) else self.landmarks[t - len(bodies)][None]
             for t in targets.tolist()
         ]
         point_first = np.cumsum([0, *map(len, hulls)])
         points = np.concatenate(hulls)
-        return Said(self.sector[begin:end], self.own[begin:end], np.append(first, end - begin), points, point_first, spacing)
+        return Said(
+            self.sector[begin:end], self.own[begin:end], np.append(first, end - begin), points, point_first, self.spacing
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +100,11 @@ class ByCases(Frozen):
         return Constraints(*who, self.rows[:, :2].copy(), self.rows[:, 2].copy(), np.full(count, source))
 
 
-def by_cases(
-    known: Polytope, headings: AngularIntervals, told: Told, robot: int, landmarks: Array, spacing: float
-) -> ByCases | None:
+def by_cases(known: Polytope, headings: AngularIntervals, told: Told, robot: int) -> ByCases | None:
     """Return what cells leave of one robot's place and heading, from its own rows and those of its mates; None if nothing."""
     bodies = as_sets(known)
     start = known.of_robots(np.array([robot])).polygons
-    said = told.said(robot, bodies, landmarks, spacing)
+    said = told.said(robot, bodies)
     origin = (known.lower[robot] + known.upper[robot]) / 2
     far = np.abs(origin).max() + max(np.abs(start.vertices).max(), np.abs(said.points).max())
     margin = max(start.margin.max(), bodies.margin.max()) + 8 * EPSILON * far

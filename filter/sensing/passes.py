@@ -31,7 +31,7 @@ LEFT_OF_A_HEADING = 0.8
 # Cells are worth it where a chord is so far inside, or a heading is wider than several bearings' bounds by this factor; and,
 WIDE_HEADING = 1.0
 # where no more than a share of a robot's box is left, sooner: from these shares on.
-NEW, SOON, SOON_WIDE = 0.7, 0.03, 0.5
+NEW, SOON, SOON_WIDE = 0.7, 0.03, 0.1
 TINY = 1e-12  # what is divided by is never smaller [m]
 
 
@@ -87,7 +87,7 @@ class Merging(Frozen):
         return Merged(known, headings, cases)
 
     def _settled(self, is_over: IsOver) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
-        """Return the polytope with rows, the headings, and the (r) directions of ranges, after as many passes as are worth it."""
+        """Return the polytope with rows, the headings, and (r) directions of ranges, after as many passes as are worth it."""
         known, before = self.polytope, np.full(0, np.inf)
         for _ in range(PASSES):
             merged, headings, arcs = self._pass(known)
@@ -101,7 +101,7 @@ class Merging(Frozen):
         return self.polytope.with_constraints(merged.constraints), headings, arcs
 
     def _cold(self, merged: Polytope, headings: AngularIntervals, arcs: AngularIntervals) -> Integers:
-        """Return the robots whose poses are worth to be found in cells: something is wide for what was measured, and all is new."""
+        """Return the robots whose poses are worth to be found in cells: something is wide for what was measured."""
         (_, bearings, ranges), (least, greatest), robots = self.readings, self.readings.ranges.interval(), len(headings)
         worst, (who, whom) = np.zeros(robots + len(self.landmarks)), (ranges.robot, ranges.target)
         inside = least * (1 - np.cos(arcs.bound)) / np.maximum(greatest - least, TINY)
@@ -112,7 +112,7 @@ class Merging(Frozen):
         suspects = np.flatnonzero((worst[:robots] > SOON * SAGITTA) | (wide > SOON_WIDE * WIDE_HEADING))
         if not len(suspects):
             return suspects
-        before, now = (boxed_at_a_glance(each) for each in (self.polytope, merged))
+        before, now = self.polytope, boxed_at_a_glance(merged)
         new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
         new[self.again] = True
         return suspects[(new | (worst[:robots] > SAGITTA) | (wide > WIDE_HEADING))[suspects]]
@@ -121,11 +121,12 @@ class Merging(Frozen):
         """Return what is merged into what cells leave of some robots' poses, and why."""
         nothing = AngularIntervals.circles(len(self.readings.bearings.robot))
         headings, known, cases = narrowed_headings(self.headings, self.readings, nothing), self.polytope, list[ByCases]()
-        told, numbers = Told.of(self.readings, headings), self.numbers[len(self.numbers) - len(headings) :]
+        told = Told.of(self.readings, headings, self.landmarks, self.spacing)
+        numbers = self.numbers[len(self.numbers) - len(headings) :]
         for robot in robots.tolist():
             if is_over():
                 break
-            case = by_cases(known, headings, told, robot, self.landmarks, self.spacing)
+            case = by_cases(known, headings, told, robot)
             if case is None:
                 time = self.readings.ranges.time
                 before = Source("region", time, robot), Source("heading", time, robot)
@@ -155,7 +156,9 @@ class Merging(Frozen):
         (_, bearings, ranges), bodies = self.readings, len(self.headings) + len(self.landmarks)
         if not len(bearings.robot) or not len(ranges.robot):
             return spans
-        keys = [bodies * np.minimum(each.robot, each.target) + np.maximum(each.robot, each.target) for each in (bearings, ranges)]
+        keys = [
+            bodies * np.minimum(each.robot, each.target) + np.maximum(each.robot, each.target) for each in (bearings, ranges)
+        ]
         order = np.argsort(keys[0], kind="stable")
         turned = [np.where(each.robot > each.target, np.pi, 0.0) for each in (bearings, ranges)]
         begin, end = (np.searchsorted(keys[0][order], keys[1], side) for side in ("left", "right"))
@@ -163,7 +166,7 @@ class Merging(Frozen):
 
     def _may_gain(self, merged: Polytope, headings: AngularIntervals, arcs: AngularIntervals) -> bool:
         """Return whether some direction is wide for its range, or some bearing would narrow a heading now."""
-        (_, bearings, ranges), (least, greatest) = self.readings, self.readings.ranges.interval()
+        bearings, (least, greatest) = self.readings.bearings, self.readings.ranges.interval()
         if (least * (1 - np.cos(arcs.bound)) > SAGITTA * (greatest - least)).any():
             return True
         left = LEFT_OF_A_HEADING * headings.bound[bearings.robot] - bearings.bound

@@ -1,7 +1,7 @@
 """The measurements of one time in one order: whatever records they come in, shuffled, split or twice, no bit is another."""
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -31,10 +31,12 @@ class Readings(NamedTuple):
     @classmethod
     def of(cls, time: float, measurements: Sequence[Measurement]) -> "Readings":
         """Return measurements that were taken at one time [s]."""
-        return cls(*(_sorted(kind, time, measurements) for kind in (Compass, Bearing, Range)))
+        return cls(
+            _sorted(Compass, time, measurements), _sorted(Bearing, time, measurements), _sorted(Range, time, measurements)
+        )
 
     def numbered(self, sources: Sources, robots: int) -> tuple[Sources, Integers]:
-        """Enter what makes rows into a table; return it, and the numbers (b + r + n,) of bearings, ranges and n robots' cells."""
+        """Enter what makes rows into a table; return it and the numbers (b + r + n,) of bearings, ranges, n robots' cells."""
         first = len(sources)
         for record in (self.bearings, self.ranges):
             sources, _ = sources.extended(KIND_OF[type(record)], record.time, record.robot, record.target)
@@ -47,19 +49,23 @@ class Readings(NamedTuple):
 
     def concerning(self, robot: int) -> list[Source]:
         """Return all readings by a robot, or of it."""
-        found, nobody = list[Source](), np.full(len(self.compasses.robot), NOBODY)
-        for record, target in ((self.compasses, nobody), (self.bearings, self.bearings.target), (self.ranges, self.ranges.target)):
+        found = list[Source]()
+        for record in self:
+            target = np.full(len(record.robot), NOBODY) if isinstance(record, Compass) else record.target
             table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, target)
             found += [table[k] for k in np.flatnonzero((record.robot == robot) | (target == robot)).tolist()]
         return found
 
 
 def _sorted(kind: type[Record], time: float, measurements: Sequence[Measurement]) -> Record:
-    some = [each for each in measurements if isinstance(each, kind)]
+    return kind.of_checked(time, _columns(kind, [each for each in measurements if isinstance(each, kind)]))
+
+
+def _columns(kind: type[Measurement], records: Sequence[Any]) -> dict[str, Any]:
     names = field_names(kind)
-    columns = [np.concatenate([EMPTY[name in WHO], *(getattr(each, name) for each in some)]) + 0 for name in names]  # no -0.0
-    order = np.lexsort(columns[::-1])
-    columns = [column[order] for column in columns]
+    parts = [np.concatenate([EMPTY[name in WHO], *(getattr(each, name) for each in records)]) + 0 for name in names]  # no -0.0
+    order = np.lexsort(parts[::-1])
+    columns = [column[order] for column in parts]
     new = np.ones(len(order), dtype=bool)
     new[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
-    return kind.of_checked(time, {name: column[new] for name, column in zip(names, columns, strict=True)})
+    return dict(zip(names, (column[new] for column in columns), strict=True))

@@ -8,7 +8,6 @@ from helpers.worlds import World, exact_row_slack
 
 from filter.guarantee import Guarantee
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Range
 from filter.sensing.readings import KIND_OF, Readings
 from filter.sets.belief import Belief
 from filter.sets.set_membership import SetMembershipFilter

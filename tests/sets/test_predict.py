@@ -60,7 +60,7 @@ def test_no_row_through_a_corner_cuts_the_polygon_and_each_touches_it(seed, orig
     rng = np.random.default_rng(seed)
     points = origin + size * rng.normal(size=(rng.integers(3, 12), 2))
     polygon, moves = Polygon.from_vertices(points), motion(heading=rng.uniform(-np.pi, np.pi))
-    rows, table = rows_through_corners(believed(polytope_of(polygon, room=size)), moves, Sources())
+    rows, table = rows_through_corners(believed(polytope_of(polygon, room=size)), moves)
     wanted = moves.normals[0][np.isfinite(moves.normals[0][:, 0])]
     assert rows.normal.tolist() == wanted.tolist()
     assert 3 <= len(rows) <= 8
@@ -78,7 +78,7 @@ def test_no_row_through_a_corner_cuts_the_polygon_and_each_touches_it(seed, orig
     "polygon", [Polygon.box([1, 2], [1, 2]), Polygon.from_vertices([[0, 0], [3, 1]])], ids=["point", "segment"]
 )
 def test_of_a_point_and_of_a_segment_no_row_cuts_anything(polygon):
-    rows, _ = rows_through_corners(believed(polytope_of(polygon)), motion(), Sources())
+    rows, _ = rows_through_corners(believed(polytope_of(polygon)), motion())
     assert len(rows) > 2
     assert (rows.normal @ polygon.vertices.T <= rows.offset[:, None] + 1e-15).all()
 
@@ -90,7 +90,7 @@ def test_rows_on_a_pair_are_implied_by_the_pairs_rows_and_have_the_normals_of_bo
     polytope, pair = Polytope(rows, np.full((3, 2), -4.0), np.full((3, 2), 4.0)), (np.array([1]), np.array([2]))
     record = odometry(0.0, 1.0, [1, 2], [1.0, 0.5], distance_bound=0.1, direction_bound=0.2)
     moves = displacements(record, AngularIntervals([0.0, 0.3, 1.9], [0.0] * 3), Team(3), 1.0)
-    found, table = rows_through_corners(believed(polytope, *pair), moves, Sources())
+    found, table = rows_through_corners(believed(polytope, *pair), moves)
     of_each = [moves.normals[k][np.isfinite(moves.normals[k][:, 0])] for k in (2, 1)]
     assert sorted(found.normal.tolist()) == sorted([*of_each[0].tolist(), *(-of_each[1]).tolist()])
     assert set(zip(found.i.tolist(), found.j.tolist(), strict=True)) == {(1, 2)}
@@ -107,7 +107,7 @@ def test_rows_through_corners_follow_from_the_whole_polytope(errors, origin, sco
     world = World(np.random.default_rng(4), robots=4, errors=errors, origin=np.full(2, origin))
     for belief in beliefs(SetMembershipFilter(world.team, scope=scope), world, 3):
         moves = displacements(world_motion(world), belief.headings, world.team, 0.1)
-        rows, sources = rows_through_corners(belief, moves, belief.sources)
+        rows, sources = rows_through_corners(belief, moves)
         after = Belief(0.0, belief.polytope.with_constraints(rows), belief.headings, sources, belief.guarantee)
         assert escapes(after, world.positions) == []
     assert set(zip(rows.i.tolist(), rows.j.tolist(), strict=True)) >= {(WORLD, 0), (0, 1), (2, 3)}
@@ -126,7 +126,7 @@ def test_what_is_predicted_is_the_sum_of_polygon_and_displacements(seed):
     rng = np.random.default_rng(seed)
     polygon, moves = Polygon.from_vertices(rng.normal(size=(8, 2))), motion(heading=rng.uniform(-np.pi, np.pi))
     belief = believed(polytope_of(polygon, room=9.0))
-    polytope, _ = moved(belief, 1.0, moves, EVERYWHERE)
+    polytope, _ = moved(belief, 1.0, moves, EVERYWHERE, corners=True)
     after = polytope.of_robots(np.array([0])).polygons[0]
     corners, shares = moves.vertices[0], rng.exponential(1, (200, len(moves.vertices[0])))
     gone = np.concatenate([corners, shares @ corners / shares.sum(axis=1, keepdims=True)])
@@ -159,16 +159,13 @@ def test_regions_are_no_larger_than_by_moving_rows_alone(seed):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_following_with_rows_through_corners_is_tighter(seed, monkeypatch):
-    def followed():
+def test_following_with_rows_through_corners_is_tighter(seed):
+    def followed(corners):
         world = World(np.random.default_rng(seed), robots=3, errors="extreme" if seed else "uniform")
-        *_, belief = beliefs(SetMembershipFilter(world.team), world, 10)
+        *_, belief = beliefs(SetMembershipFilter(world.team, corners=corners), world, 10)
         return belief.regions.outer.areas
 
-    fine = followed()
-    nothing = Constraints(*(np.zeros(0, dtype=int),) * 2, np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=int))
-    monkeypatch.setattr("filter.sets.predict.rows_through_corners", lambda belief, moves, sources: (nothing, sources))
-    none = followed()
+    fine, none = followed(corners=True), followed(corners=False)
     assert (fine <= none * 1.003 + 1e-12).all()
     assert fine.sum() < none.sum()
 
@@ -176,7 +173,7 @@ def test_following_with_rows_through_corners_is_tighter(seed, monkeypatch):
 def test_without_a_proof_rows_are_moved_alone():
     belief = believed(polytope_of(Polygon.box([0, 0], [1, 1])))
     bare = Belief(0.0, belief.polytope, belief.headings, belief.sources, belief.guarantee)
-    rows, sources = rows_through_corners(bare, motion(), bare.sources)
+    rows, sources = rows_through_corners(bare, motion())
     assert len(rows) == 0
     assert len(sources) == len(bare.sources)
 
@@ -190,7 +187,7 @@ def test_a_box_that_does_not_move_stays_to_the_last_bit_and_others_move_outward(
     still = Team(2, speed_limit=0.0)
     record = odometry(0.0, 1.0, 1, 1.0)
     moves = displacements(record, AngularIntervals([0.0, 0.0], [0.0, 0.0]), still, 1.0)
-    after, _ = moved(believed(polytope), 1.0, moves, EVERYWHERE)
+    after, _ = moved(believed(polytope), 1.0, moves, EVERYWHERE, corners=True)
     assert (after.lower[0].tolist(), after.upper[0].tolist()) == ([0.1, 0.2], [0.1, 0.2])
     assert after.lower[1] == pytest.approx([1.3, 0.4])
     assert (after.lower[1] <= [1.3, 0.4]).all()
@@ -199,7 +196,7 @@ def test_a_box_that_does_not_move_stays_to_the_last_bit_and_others_move_outward(
 
 def test_the_arena_cuts_the_box_and_who_has_left_it_is_named():
     polytope, moves = polytope_of(Polygon.box([0, 0], [1, 1]), room=0.0), motion(distance=2.0, heading=0.0)
-    after, _ = moved(believed(polytope), 1.0, moves, np.array([[-9.0, -9.0], [2.5, 9.0]]))
+    after, _ = moved(believed(polytope), 1.0, moves, np.array([[-9.0, -9.0], [2.5, 9.0]]), corners=True)
     assert after.upper[0, 0] == 2.5
     with pytest.raises(Inconsistent, match=r"robot 0 has left the arena by 1\.0 s"):
-        moved(believed(polytope), 1.0, moves, np.array([[-9.0, -9.0], [1.5, 9.0]]))
+        moved(believed(polytope), 1.0, moves, np.array([[-9.0, -9.0], [1.5, 9.0]]), corners=True)

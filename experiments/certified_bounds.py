@@ -153,7 +153,7 @@ def beliefs(duration: float, seed: int) -> Iterator[Belief]:
 
 def cost(belief: Belief) -> tuple[float, float, float]:
     """Return how long a step's solving takes, the proofs of edges, boxes and emptiness, and those of inner points [s]."""
-    edges, boxes = belief.proofs[:2]
+    (*_, edges), (*_, boxes) = belief.proofs_of("regions"), belief.proofs_of("boxes")
     program, again, robots = edges.polytope.program(), edges.polytope.program(), len(belief.regions)
     objectives = [edges.normal[edges.j == robot] @ position(robot, robots) for robot in range(robots)]
     begin = perf_counter()

@@ -33,7 +33,7 @@ class Certificates:
 
     def write(self, belief: Belief) -> None:
         """Append all that the belief's regions rest on."""
-        for proof in belief.proofs:
+        for proof in (proof for proof in belief.proofs if isinstance(proof, Proof)):
             _write(self._file, records(belief.time, proof))
         arcs = belief.headings
         record = {"t": belief.time.hex(), "centre": hexadecimal(arcs.centre), "bound": hexadecimal(arcs.bound)}

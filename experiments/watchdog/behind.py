@@ -55,8 +55,7 @@ def traced(steps: Sequence[Step[Belief]], edges: Sequence[Edge]) -> tuple[Source
 
 def _rests_on(belief: Belief, edge: Edge) -> Iterator[tuple[Source, Edge]]:
     """Yield what an edge rests on: each row's source, and the row as an edge of that time."""
-    # The second proof, of the boxes, rests on the first, of the regions; those of pairs come after it.
-    for proof in belief.proofs[:1] if edge.i == WORLD else belief.proofs[2:]:
+    for proof in belief.proofs_of("regions" if edge.i == WORLD else "pairs"):
         claims = np.flatnonzero((proof.i == edge.i) & (proof.j == edge.j))
         for claim in claims[_next_to(proof.normal[claims], edge.normal)].tolist() if len(claims) else ():
             yield from _rows_behind(proof, claim)

@@ -11,38 +11,37 @@ from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.simplify import edges_worth_keeping
 from filter.sensing.cell import CORNERS, Said, Scale, cut, pruned, where_to_split, wrapped
 
-CELLS = 64  # at a time, at most
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
 EDGES = 24  # of the hull, at most
 ROUNDINGS = 2.0**20  # so many at most, one upon the other, are in a vertex of a cell
 
 
 class Tree(NamedTuple):
-    """How a set of poses was split, for whoever wants to do it again; filled by `branch`, from the root 0 on.
+    """How a set of poses was split into c cells at most, to do it again; filled by `branch`, from the root 0 on.
 
     Attributes:
-        line: (2 CELLS, 3) along which each piece was split (see `where_to_split`).
-        child: (2 CELLS,) the first of its two pieces, 0 where it was not.
+        line: (2 c, 3) along which each piece was split (see `where_to_split`).
+        child: (2 c,) the first of its two pieces, 0 where it was not.
     """
 
     line: Array
     child: Integers
 
     @classmethod
-    def blank(cls) -> "Tree":
+    def blank(cls, cells: int) -> "Tree":
         """Return one to be filled."""
-        return cls(np.zeros((2 * CELLS, 3)), np.zeros(2 * CELLS, dtype=np.int64))
+        return cls(np.zeros((2 * cells, 3)), np.zeros(2 * cells, dtype=np.int64))
 
 
 class Pieces(NamedTuple):
     """Cells that are left, and room for more of them.
 
     Attributes:
-        corners: (CELLS, CORNERS, 2) of each.
-        size: (CELLS,) how many it has.
-        heading: (CELLS, 2) its arc, centre and bound [rad].
-        split: (CELLS, 4) how badly it is too wide, and the line to split it along (see `where_to_split`).
-        node: (CELLS,) where it is in the tree.
+        corners: (c, CORNERS, 2) of each.
+        size: (c,) how many it has.
+        heading: (c, 2) its arc, centre and bound [rad].
+        split: (c, 4) how badly it is too wide, and the line to split it along (see `where_to_split`).
+        node: (c,) where it is in the tree.
         alive: (1,) how many there are.
     """
 
@@ -63,18 +62,19 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
     """
     largest = max(np.abs(start).max(), np.abs(said.points).max())
     scale = Scale(largest, margin + ROUNDINGS * EPSILON * largest, np.empty((CORNERS + 2, 2)))
+    most = len(tree.child) // 2
     left = Pieces(
-        np.empty((CELLS, CORNERS, 2)),
-        np.zeros(CELLS, dtype=np.int64),
-        np.empty((CELLS, 2)),
-        np.empty((CELLS, 4)),
-        np.zeros(CELLS, dtype=np.int64),
+        np.empty((most, CORNERS, 2)),
+        np.zeros(most, dtype=np.int64),
+        np.empty((most, 2)),
+        np.empty((most, 4)),
+        np.zeros(most, dtype=np.int64),
         np.zeros(1, dtype=np.int64),
     )
     left.corners[0, : len(start)], left.heading[0] = start, heading
     _prune(left, 0, len(start), said, scale)
     left.alive[0], nodes = int(left.size[0] > 0), 1
-    while 0 < left.alive[0] < CELLS and nodes + 2 <= len(tree.child):
+    while 0 < left.alive[0] < most and nodes + 2 <= len(tree.child):
         k = int(np.argmax(left.split[: left.alive[0], 0]))
         if left.split[k, 0] <= TOLERANCE:
             break

@@ -160,7 +160,9 @@ def _seen(pose: Pose, size: int, t: int, said: Said, scale: Scale) -> int:
     """Cut a cell by the readings of one target."""
     cell, heading = pose
     points = said.points[said.point_first[t] : said.point_first[t + 1]]
-    centre, bound, farthest = directions(cell, size, points, _nearest(said, t), scale.margin)
+    nearest = _nearest(said, t)
+    centre, bound, farthest = directions(cell, size, points, nearest, scale.margin)
+    apart = bound < np.pi or nearest > 0  # of what is in one place with the robot, bearings say nothing
     for q in range(said.first[t], said.first[t + 1]):
         value, half, least, greatest = said.sector[q]
         if half < np.pi:
@@ -173,8 +175,12 @@ def _seen(pose: Pose, size: int, t: int, said: Said, scale: Scale) -> int:
             if half < np.pi / 2:
                 for normal in sides(value, half):
                     size = _behind(cell, size, (normal[0], normal[1], 0.0), points, scale)
-            centre, bound = intersection(centre, bound, value, min(half, np.pi))
-        if bound < 0 or size == 0 or farthest < least * (1 - WIDENING):
+            meet = intersection(centre, bound, value, min(half, np.pi))
+            if meet[1] >= 0:
+                centre, bound = meet
+            elif apart:
+                return 0
+        if size == 0 or farthest < least * (1 - WIDENING):
             return 0
         if greatest < np.inf:
             wide = min(bound + WIDENING, np.pi)

@@ -100,15 +100,15 @@ class ByCases(Frozen):
         return Constraints(*who, self.rows[:, :2].copy(), self.rows[:, 2].copy(), np.full(count, source))
 
 
-def by_cases(known: Polytope, headings: AngularIntervals, told: Told, robot: int) -> ByCases | None:
-    """Return what cells leave of one robot's place and heading, from its own rows and those of its mates; None if nothing."""
+def by_cases(known: Polytope, headings: AngularIntervals, told: Told, robot: int, cells: int) -> ByCases | None:
+    """Return what so many cells leave of one robot's poses, from its own rows and those of its mates; None if nothing."""
     bodies = as_sets(known)
     start = known.of_robots(np.array([robot])).polygons
     said = told.said(robot, bodies)
     origin = (known.lower[robot] + known.upper[robot]) / 2
     far = np.abs(origin).max() + max(np.abs(start.vertices).max(), np.abs(said.points).max())
     margin = max(start.margin.max(), bodies.margin.max()) + 8 * EPSILON * far
-    heading, tree = np.array([headings.centre[robot], headings.bound[robot]]), Tree.blank()
+    heading, tree = np.array([headings.centre[robot], headings.bound[robot]]), Tree.blank(cells)
     moved = said._replace(points=said.points - origin)
     rows = branch(start.vertices - origin, heading, moved, margin, tree)
     if not len(rows):

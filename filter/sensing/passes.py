@@ -61,6 +61,7 @@ class Merging(Frozen):
         numbers: (b + r + n,) the numbers of bearings, of ranges and of robots' cells in the belief's table of sources.
         landmarks: (l, 2) [m].
         spacing: Greatest angle between two tangents of a range's far side [rad].
+        cells: Into how many a robot's poses are split at most; 0 for never.
         again: (c,) robots that were found in cells before, from the same readings.
     """
 
@@ -70,6 +71,7 @@ class Merging(Frozen):
     numbers: Integers
     landmarks: Array
     spacing: float
+    cells: int
     again: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def merged(self, is_over: IsOver = never) -> Merged:
@@ -79,7 +81,7 @@ class Merging(Frozen):
         common.
         """
         known, headings, arcs = self._settled(is_over)
-        cold = self._cold(known, headings, arcs)
+        cold = self._cold(known, headings, arcs) if self.cells else self.again
         if not len(cold) or is_over():
             return Merged(known, headings)
         fewer, cases = self._in_cells(cold, is_over)
@@ -126,7 +128,7 @@ class Merging(Frozen):
         for robot in robots.tolist():
             if is_over():
                 break
-            case = by_cases(known, headings, told, robot)
+            case = by_cases(known, headings, told, robot, self.cells)
             if case is None:
                 time = self.readings.ranges.time
                 before = Source("region", time, robot), Source("heading", time, robot)

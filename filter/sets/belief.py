@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, whole_number
 from filter.geometry.angles import AngularIntervals
 from filter.guarantee import Guarantee
-from filter.linear.constraints import Constraints
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.projection.claims import Outlines, Weights
 from filter.projection.fallback import Fallback
+from filter.sensing.cells import ByCases
 from filter.sets.regions import Regions
 
 
@@ -45,6 +48,7 @@ class Proof(Frozen):
     box, plus y . b, is no greater than its offset: in exact arithmetic.
 
     Attributes:
+        of: What is bounded: each robot's position by its region or its box, or the positions of two as seen from one another.
         polytope: Rows and box; its rows' sources are numbers in the table below.
         sources: What produced the rows.
         i: (k,) robot, or WORLD for a claim on the position of one robot alone.
@@ -54,6 +58,7 @@ class Proof(Frozen):
         weights: (k) the rows that each claim rests on, and their multipliers.
     """
 
+    of: Literal["regions", "boxes", "pairs"]
     polytope: Polytope
     sources: Sources
     i: Integers
@@ -63,10 +68,19 @@ class Proof(Frozen):
     weights: Weights
 
     @classmethod
-    def of(cls, polytope: Polytope, sources: Sources, outlines: Outlines, whose: tuple[Integers, Integers]) -> Proof:
-        """Return why every edge holds, of outlines of robots or pairs i, j."""
+    def of_edges(cls, polytope: Polytope, sources: Sources, outlines: Outlines, whose: tuple[Integers, Integers]) -> Proof:
+        """Return why every edge holds, of outlines of robots, or of pairs i, j."""
         i, j = (each[outlines.outer.owner] for each in whose)
-        return cls(polytope, sources, i, j, outlines.outer.normals, outlines.outer.offsets, outlines.weights)
+        return cls(
+            "regions" if (i == WORLD).all() else "pairs",
+            polytope,
+            sources,
+            i,
+            j,
+            outlines.outer.normals,
+            outlines.outer.offsets,
+            outlines.weights,
+        )
 
     def __len__(self) -> int:
         return len(self.offset)
@@ -89,7 +103,8 @@ class Belief:
         found: (n) where each robot is, as the last update found; None at the start and after a prediction.
         events: What the last update dropped, and where its walks and solvers failed.
         proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
-            were projected, as of the last update; none after a prediction.
+            were projected, as of the last update, before each what was proved case by case for it; where an update took
+            several rounds, one after the other. None after a prediction.
     """
 
     time: float
@@ -99,7 +114,7 @@ class Belief:
     guarantee: Guarantee
     found: Regions | None = None
     events: tuple[Event, ...] = ()
-    proofs: tuple[Proof, ...] = ()
+    proofs: tuple[Proof | ByCases, ...] = ()
 
     @cached_property
     def regions(self) -> Regions:
@@ -121,6 +136,10 @@ class Belief:
     def constraints(self) -> Constraints:
         """The polytope's rows."""
         return self.polytope.constraints
+
+    def proofs_of(self, what: Literal["regions", "boxes", "pairs"]) -> Iterator[Proof]:
+        """Yield the proofs of one kind of claims, one for each round of the last update."""
+        return (proof for proof in self.proofs if isinstance(proof, Proof) and proof.of == what)
 
     def causes(self, robot: int, edge: int) -> tuple[Source, ...]:
         """Return what an edge of a robot's outer polygon was proved from, one step back; `InvalidInput` if there is none."""

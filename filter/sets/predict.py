@@ -44,7 +44,8 @@ def rows_through_corners(belief: Belief, moves: Displacements) -> tuple[Constrai
     Their normals are those of the edges of what the robots' displacements, or the differences of those, can be.
     """
     polytope, bodies = belief.polytope, len(belief.headings) + 1
-    proved = [(proof.i - WORLD) * bodies + proof.j for proof in belief.proofs]
+    proofs = (*belief.proofs_of("regions"), *belief.proofs_of("pairs"))
+    proved = [(proof.i - WORLD) * bodies + proof.j for proof in proofs]
     key = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *proved]))
     i, j = key // bodies + WORLD, key % bodies
     normals = moves.normals

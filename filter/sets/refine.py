@@ -57,7 +57,7 @@ def refined(belief: Belief, projector: Projector, *, is_over: IsOver = never) ->
         sources=table,
         found=Regions.of(polytope, outlines),
         events=found.failures,
-        proofs=(Proof.of(polytope, sources, outlines, whose), boxes),
+        proofs=(Proof.of_edges(polytope, sources, outlines, whose), boxes),
     )
 
 
@@ -81,7 +81,7 @@ def with_pairs(belief: Belief, most: int, projector: Projector, *, is_over: IsOv
         polytope=polytope.with_constraints(Constraints.concatenate([others, edges])),
         sources=table,
         events=(*belief.events, *mutual.failures),
-        proofs=(*belief.proofs, Proof.of(polytope, sources, mutual.outlines, pairs)),
+        proofs=(*belief.proofs, Proof.of_edges(polytope, sources, mutual.outlines, pairs)),
     )
 
 
@@ -138,7 +138,7 @@ def proved_boxes(
     claim, place = np.nonzero(prices)
     weights = Weights(used[claim, place], prices[claim, place], np.searchsorted(claim, np.arange(asked + 1)))
     whole = Polytope(rows, polytope.lower, polytope.upper)
-    return lower, upper, Proof(whole, sources, np.full(asked, WORLD), whose, normals, bounds, weights)
+    return lower, upper, Proof("boxes", whole, sources, np.full(asked, WORLD), whose, normals, bounds, weights)
 
 
 def _inconsistent(belief: Belief, multipliers: Array) -> Inconsistent:

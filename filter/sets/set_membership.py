@@ -57,6 +57,8 @@ class SetMembershipFilter(Frozen):
         corners: Whether a prediction moves rows through the corners of regions along, too: smaller regions, more rows.
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
+        cells: Into how many a robot's poses are split at most, where directions or headings are wide for what was measured of
+            them (see `filter.sensing.cells`); 0 for never.
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
@@ -75,6 +77,7 @@ class SetMembershipFilter(Frozen):
     pairs: int = field(default=21, metadata=checked(whole_number, "pairs"))
     corners: bool = field(default=True, metadata=checked(instance, "corners", bool))
     tangent_spacing: float = field(default=TANGENT_SPACING, metadata=checked(number, "tangent spacing [rad]", 0.01, np.pi / 2))
+    cells: int = field(default=64, metadata=checked(whole_number, "cells", 0, 1024))
     scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
     policy: Policy = "raise"
     budget: Budget | None = field(default=None, metadata=checked(instance, "budget", Budget, type(None)))
@@ -162,7 +165,7 @@ class SetMembershipFilter(Frozen):
         self.on_phase("headings")
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
-        team = self.team.landmarks, self.tangent_spacing
+        team = self.team.landmarks, self.tangent_spacing, self.cells
         merged = Merging(belief.polytope, belief.headings, readings, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
         known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
@@ -171,7 +174,7 @@ class SetMembershipFilter(Frozen):
         self.on_phase("forget")
         found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
         cells = np.array([case.robot for case in merged.cases], dtype=np.int64)
-        return replace(found, polytope=self._pruned(found.polytope)), cells
+        return replace(found, polytope=self._pruned(found.polytope), proofs=merged.cases + found.proofs), cells
 
     @property
     def _projector(self) -> Projector:

@@ -50,15 +50,15 @@ def merged_team(seed, robots=5, errors="uniform", steps=2):
     for motion, records in world.steps(steps):
         predicted = estimator.predict(belief, motion.time, motion)
         belief = estimator.update(predicted, records)
-    known = merging(predicted, records, world.team, estimator.tangent_spacing).merged().polytope
+    known = merging(predicted, records, world.team, estimator.tangent_spacing, cells=0).merged().polytope
     return known.with_constraints(prune(known, estimator.rows_per_robot, estimator.rows_per_pair))
 
 
-def merging(belief, records, team, spacing):
+def merging(belief, records, team, spacing, cells=64):
     """Return what is to be merged of records into a belief."""
     readings = Readings.of(belief.time, records)
     _, numbers = readings.numbered(belief.sources, team.robots)
-    return Merging(belief.polytope, belief.headings, readings, numbers, team.landmarks, spacing)
+    return Merging(belief.polytope, belief.headings, readings, numbers, team.landmarks, spacing, cells)
 
 
 def on_robot(robot, normal, offset, source):
@@ -152,7 +152,7 @@ def exact_bound(program, objective, rows, weights):
 
 def excess(polytope, outlines, i, j):
     """Yield by how much the offset that each edge's rows prove, without any rounding, exceeds the edge's own."""
-    proof = Proof.of(polytope, Sources(), outlines, (i, j))
+    proof = Proof.of_edges(polytope, Sources(), outlines, (i, j))
     for claim in range(len(proof)):
         yield exact_claim(proof, claim)
 

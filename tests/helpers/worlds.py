@@ -133,7 +133,7 @@ def claims_of(
     claim, place = np.nonzero(used[1])
     first = np.searchsorted(claim, np.arange(len(used[1]) + 1))
     weights = Weights(used[0][claim, place], used[1][claim, place], first)
-    return Proof(polytope, Sources(), *whose, *lines, weights)
+    return Proof("regions", polytope, Sources(), *whose, *lines, weights)
 
 
 def exact_claim(proof: Proof, claim: int) -> Fraction:

@@ -161,7 +161,7 @@ def exact_projection(polytope, robot):
 @pytest.mark.parametrize("seed", range(4))
 def test_another_constraint_never_grows_the_exact_set(seed):
     world = World(np.random.default_rng(seed), robots=3)
-    *_, belief = run(world, steps=1)
+    *_, belief = run(world, steps=1, cells=0)
     rows = belief.constraints
     fewer = belief.polytope.with_constraints(rows.select(np.arange(len(rows)) % 3 != 0))
     for robot in range(3):
@@ -173,7 +173,7 @@ def test_another_bearing_or_compass_never_grows_the_exact_set(seed):
     world = World(np.random.default_rng(seed), robots=3)
     compass, bearing, _ = world.measure()
     half = bearing_of(bearing, np.arange(len(bearing.robot)) % 2 == 0)
-    estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY)
+    estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY, cells=0)
     start = estimator.start(0.0, world.initial_sets(), world.initial_headings())
     before = None
     for records in ([], [half], [bearing, half], [compass, bearing, half]):
@@ -189,7 +189,7 @@ def test_another_range_makes_no_region_larger_than_its_tangents_allow(seed):
     tangents = 1.024
     world = World(np.random.default_rng(seed), robots=3)
     compass, bearing, ranges = world.measure()
-    estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY)
+    estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY, cells=0)
     start = estimator.start(0.0, world.initial_sets(), world.initial_headings())
     before = None
     for records in ([ranges], [ranges, bearing], [ranges, bearing, compass]):
@@ -215,7 +215,7 @@ def parts(record):
 def test_the_order_of_measurements_does_not_matter(seed):
     world = World(np.random.default_rng(seed), robots=3)
     records = [part for record in world.measure() for part in parts(record)]
-    estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY)
+    estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY, cells=0)
     start = estimator.start(0.0, world.initial_sets(), world.initial_headings(1.5))
     expected = estimator.update(start, records)
     for _ in range(2):
@@ -245,7 +245,7 @@ def test_moving_the_world_moves_the_result(move):
         later = world.measure()
         team = Team(3, world.team.landmarks + by, 0.5, 2.0)
         moved = [Polygon.box(one.bounds[0] + by, one.bounds[1] + by) for one in sets]
-        estimator = SetMembershipFilter(team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY)
+        estimator = SetMembershipFilter(team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY, cells=0)
         belief = estimator.update(estimator.start(0.0, moved, headings), records)
         return estimator.update(estimator.predict(belief, motion.time, motion), later)
 
@@ -261,7 +261,7 @@ def test_turning_the_world_turns_the_exact_set(angle):
     """Rows are turned by hand: boxes are along the axes, so that they have to be wide enough not to count."""
     rotation = np.array([unit(angle), unit(angle + np.pi / 2)]).T
     world = World(np.random.default_rng(4), robots=3)
-    *_, belief = run(world, steps=1)
+    *_, belief = run(world, steps=1, cells=0)
     rows = belief.constraints
     lower, upper = np.full((3, 2), -100.0), np.full((3, 2), 100.0)
     sides = [
@@ -314,7 +314,7 @@ def test_renaming_robots_renames_the_regions(seed):
             Bearing(0.0, name[bearing.robot], name[bearing.target], bearing.bearing, bearing.bound),
             Range(0.0, name[ranges.robot], name[ranges.target], ranges.range, ranges.bound, ranges.relative_bound),
         ]
-        estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY)
+        estimator = SetMembershipFilter(world.team, stop=TIGHT, rows_per_robot=MANY, rows_per_pair=MANY, cells=0)
         start = estimator.start(0.0, [sets[k] for k in back], AngularIntervals(headings.centre[back], headings.bound[back]))
         belief = estimator.update(start, records)
         return [belief.regions[k] for k in new], belief.headings.bound[new]

@@ -71,7 +71,7 @@ def test_a_regions_supports_are_those_of_the_merged_polytope(seed, exact, monkey
         lambda belief, *rest, **more: caught.append(belief.polytope) or original(belief, *rest, **more),
     )
     world = World(np.random.default_rng(seed), robots=3)
-    estimator = SetMembershipFilter(world.team, stop=TIGHT) if exact else searching(world, "piqp")
+    estimator = SetMembershipFilter(world.team, stop=TIGHT, cells=0) if exact else searching(world, "piqp", cells=0)
     belief = estimator.update(estimator.start(0.0, world.initial_sets(), world.initial_headings()), world.measure())
     (polytope,) = caught
     program = polytope.program()

@@ -264,7 +264,7 @@ def test_edges_rest_on_rows_that_matter():
     world = World(np.random.default_rng(5), robots=4)
     estimator = SetMembershipFilter(world.team)
     belief = estimator.update(begun(estimator, world), world.measure())
-    assert min(proof.weights.weight.min() for proof in belief.proofs) > 1e-10
+    assert min(proof.weights.weight.min() for proof in belief.proofs_of("regions")) > 1e-10
 
 
 def test_the_reason_says_what_decided():

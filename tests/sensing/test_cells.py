@@ -57,10 +57,10 @@ def measured(rng, team, positions, headings, tight):
     ]
 
 
-def found(team, boxes, headings, records, robot=0):
+def found(team, boxes, headings, records, robot=0, cells=64):
     belief = SetMembershipFilter(team).start(0.0, boxes, headings)
     told = Told.of(Readings.of(0.0, records), headings, team.landmarks, SPACING)
-    return by_cases(belief.polytope, headings, told, robot) if (told.robot == robot).any() else None
+    return by_cases(belief.polytope, headings, told, robot, cells) if (told.robot == robot).any() else None
 
 
 @given(

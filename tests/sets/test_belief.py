@@ -125,12 +125,12 @@ def test_a_compact_belief_says_the_same_of_fewer_sources(believed):
 
 def test_proofs_are_of_all_edges_of_the_sides_of_the_boxes_and_of_pairs(believed):
     _, updated, _ = believed
-    edges, boxes, pairs = updated.proofs
+    edges, boxes, pairs = ([*updated.proofs_of(what)][-1] for what in ("regions", "boxes", "pairs"))
     assert edges.j.tolist() == updated.regions.outer.owner.tolist()
     assert edges.offset.tolist() == updated.regions.outer.offsets.tolist()
     assert set(zip(pairs.i.tolist(), pairs.j.tolist(), strict=True)) == {(0, 1), (0, 2), (1, 2)}
     assert len(boxes) == 12
-    for proof in updated.proofs:
+    for proof in (proof for proof in updated.proofs if isinstance(proof, Proof)):
         for claim in range(len(proof)):
             rows, multipliers = proof.rests_on(claim)
             assert len(rows) == len(multipliers)

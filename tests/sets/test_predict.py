@@ -40,7 +40,7 @@ def believed(polytope, i=(WORLD,), j=(0,)):
     robots, count = len(polytope.lower), len(i)
     sources, _ = Sources().extended("initial set", 0.0, np.arange(robots))
     none = Weights(np.zeros(0, dtype=int), np.zeros(0), np.zeros(count + 1, dtype=int))
-    proof = Proof(polytope, sources, np.array(i), np.array(j), np.zeros((count, 2)), np.zeros(count), none)
+    proof = Proof("regions", polytope, sources, np.array(i), np.array(j), np.zeros((count, 2)), np.zeros(count), none)
     return Belief(0.0, polytope, AngularIntervals.circles(robots), sources, Guarantee.full(robots), proofs=(proof,))
 
 

@@ -117,7 +117,7 @@ def test_a_region_is_within_what_was_known_of_the_robot_before():
 def test_every_side_of_a_box_is_proved_and_touches_the_polygon(scope, errors, origin):
     world = World(np.random.default_rng(8), robots=4, errors=errors, origin=np.full(2, origin))
     *_, belief = beliefs(SetMembershipFilter(world.team, scope=scope), world, 2)
-    _, boxes, *_ = belief.proofs
+    *_, boxes = belief.proofs_of("boxes")
     assert boxes.j.tolist() == np.repeat(range(4), 4).tolist()
     assert boxes.normal.tolist() == np.tile(SIDES, (4, 1)).tolist()
     for claim in range(len(boxes)):

@@ -14,6 +14,8 @@ from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.program import LinearProgram
 
+TWINS = 1e-6  # rows that turn by less lead a walk astray, and say the same [rad]
+
 
 @dataclass(frozen=True, eq=False)
 class Polytope(Frozen):
@@ -66,9 +68,10 @@ class Polytope(Frozen):
 def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constraints:
     """Return the polytope's rows with at most so many left on each robot and on each pair: dropping rows is always sound.
 
-    Where there are more, those that the others imply within the group go first, then again and again the edge whose removal
-    adds the least area.
+    Of twins, almost the same row twice, one goes. Where there are more, those that the others imply within the group go first,
+    then again and again the edge whose removal adds the least area.
     """
+    polytope = polytope.with_constraints(_without_twins(polytope))
     rows = polytope.constraints
     i, j, first = rows.grouped()
     size, budget = np.diff(first), np.where(i == WORLD, rows_per_robot, rows_per_pair)
@@ -84,6 +87,30 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     worthy = _worthy(lines, outlines.vertices, outlines.first, is_row, budget[crowded])
     keep[clipped.behind[worthy & is_row]] = True
     return rows.select(keep)
+
+
+def _without_twins(polytope: Polytope) -> Constraints:
+    """Return the rows without those that another one on the same robot or pair is almost parallel to, and cuts off more."""
+    rows = polytope.constraints
+    i, j, first = rows.grouped()
+    lower, upper = polytope.around(i, j)
+    keep = _single(rows.normal, rows.offset, first, (lower + upper) / 2)
+    return rows if keep.all() else rows.select(keep)
+
+
+@compiled
+def _single(normals: Array, offsets: Array, first: Integers, middle: Array) -> Mask:
+    keep = np.ones(len(offsets), dtype=np.bool_)
+    for g in range(len(first) - 1):
+        for one in range(first[g], first[g + 1]):
+            for other in range(first[g], one):
+                x, y = normals[one, 0] - normals[other, 0], normals[one, 1] - normals[other, 1]
+                if keep[other] and abs(x) + abs(y) < TWINS:
+                    nearer = offsets[one] - offsets[other] < x * middle[g, 0] + y * middle[g, 1]
+                    keep[other if nearer else one] = False
+                    if not nearer:
+                        break
+    return keep
 
 
 @compiled

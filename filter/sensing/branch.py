@@ -13,6 +13,7 @@ from filter.sensing.cell import CORNERS, Said, Scale, cut, pruned, where_to_spli
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
 EDGES = 24  # of the hull, at most
+APART = 1e-6  # of its size, the hull is larger: lines that almost coincide with those of readings lead walks astray
 ROUNDINGS = 2.0**20  # so many at most, one upon the other, are in a vertex of a cell
 
 
@@ -152,7 +153,7 @@ def _outline(left: Pieces, margin: float) -> Array:
     hull = hull_of(corners)
     edges = len(hull) if len(hull) > 2 else 4
     lines, level = np.empty((edges, 3)), np.empty(edges)
-    x, y = hull[:, 0].mean(), hull[:, 1].mean()
+    x, y, size = hull[:, 0].mean(), hull[:, 1].mean(), np.ptp(hull[:, 0]) + np.ptp(hull[:, 1])
     for k in range(edges):
         angle = k * np.pi / 2
         if edges == len(hull):
@@ -162,6 +163,6 @@ def _outline(left: Pieces, margin: float) -> Array:
         for m in range(len(hull)):
             lines[k, 2] = max(lines[k, 2], lines[k, 0] * hull[m, 0] + lines[k, 1] * hull[m, 1])
         level[k] = lines[k, 2] - lines[k, 0] * x - lines[k, 1] * y
-        lines[k, 2] += 2 * margin
+        lines[k, 2] += 2 * margin + APART * size
     keep, _ = edges_worth_keeping(lines[:, :2], level, np.ones(edges, dtype=np.bool_), EDGES, 0.0)
     return lines[keep]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask
+from filter.arrays import Array, Frozen, Integers, Mask, read_only
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON
 from filter.geometry.many import Polygons
@@ -15,7 +15,7 @@ from filter.sensing.cell import Said
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
 
-MATES_EDGES = 8  # so many rows on a mate make it a set
+EDGES, MATES_EDGES = 24, 8  # so many rows on a robot are what its poses are cut from, and on a mate make it a set
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +102,7 @@ class ByCases(Frozen):
 
 def by_cases(known: Polytope, headings: AngularIntervals, told: Told, robot: int, cells: int) -> ByCases | None:
     """Return what so many cells leave of one robot's poses, from its own rows and those of its mates; None if nothing."""
-    bodies = as_sets(known)
-    start = known.of_robots(np.array([robot])).polygons
+    bodies, start = as_sets(known, MATES_EDGES), as_sets(known, EDGES).select(np.array([robot]))
     said = told.said(robot, bodies)
     origin = (known.lower[robot] + known.upper[robot]) / 2
     far = np.abs(origin).max() + max(np.abs(start.vertices).max(), np.abs(said.points).max())
@@ -114,14 +113,14 @@ def by_cases(known: Polytope, headings: AngularIntervals, told: Told, robot: int
     if not len(rows):
         return None
     rows[:, 2] += rows[:, :2] @ origin + 8 * EPSILON * far
-    return ByCases(known, headings, robot, tree, rows, heading)
+    return ByCases(known, headings, robot, Tree(*map(read_only, tree)), rows, heading)
 
 
-def as_sets(known: Polytope) -> Polygons:
-    """Return (n) polygons with few edges around the robots, from the rows on each of them alone."""
+def as_sets(known: Polytope, edges: int) -> Polygons:
+    """Return (n) polygons around the robots, from no more than so many rows on each of them alone."""
     rows = known.constraints
     alone = known.with_constraints(rows.select(rows.i == WORLD))
-    few = known.with_constraints(prune(alone, MATES_EDGES, MATES_EDGES))
+    few = known.with_constraints(prune(alone, edges, edges))
     return few.of_robots(np.arange(len(known.lower))).polygons
 
 

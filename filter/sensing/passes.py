@@ -95,12 +95,12 @@ class Merging(Frozen):
             merged, headings, arcs = self._pass(known)
             if not self._may_gain(merged, headings, arcs) or is_over():
                 break
-            known = boxed_at_a_glance(merged)
+            known = boxed_at_a_glance(replace(merged, lower=known.lower, upper=known.upper))
             now = np.concatenate([(known.upper - known.lower).sum(axis=1), headings.bound])
             if len(before) and (now >= GAIN * before).all():
                 break
             before = now
-        return self.polytope.with_constraints(merged.constraints), headings, arcs
+        return merged, headings, arcs
 
     def _cold(self, merged: Polytope, headings: AngularIntervals, arcs: AngularIntervals) -> Integers:
         """Return the robots whose poses are worth to be found in cells: something is wide for what was measured."""
@@ -139,7 +139,10 @@ class Merging(Frozen):
         return replace(self, polytope=known, headings=headings), tuple(cases)
 
     def _pass(self, known: Polytope) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
-        """Return the polytope with rows, the headings, and the (r) directions of ranges, from what is known of the team."""
+        """Return the polytope with rows, the headings, and the (r) directions of ranges, from what is known of the team.
+
+        The directions that an earlier pass has made narrow are rows as well: the tangents of an arc do not bound its sides.
+        """
         (_, bearings, ranges), count = self.readings, len(self.readings.bearings.robot)
         spans = spans_of_targets(known, self.landmarks, bearings.robot, bearings.target)
         headings = narrowed_headings(self.headings, self.readings, spans)
@@ -147,8 +150,11 @@ class Merging(Frozen):
         of_bearings = self._on_robots(bearing_rows(bearings.robot, bearings.target, ways, self.numbers[:count]))
         seen = known.with_constraints(Constraints.concatenate([known.constraints, of_bearings]))
         arcs = self._with_bearings(spans_of_targets(seen, self.landmarks, ranges.robot, ranges.target), ways)
-        of_ranges = self._on_robots(range_rows(ranges, arcs, self.numbers[count : count + len(ranges.robot)], self.spacing))
-        return seen.with_constraints(Constraints.concatenate([seen.constraints, of_ranges])), headings, arcs
+        numbers = self.numbers[count : count + len(ranges.robot)]
+        rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing))]
+        if known is not self.polytope:
+            rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers)))
+        return self.polytope.with_constraints(Constraints.concatenate(rows)), headings, arcs
 
     def _on_robots(self, rows: Constraints) -> Constraints:
         return on_robots(rows, self.polytope, self.landmarks)

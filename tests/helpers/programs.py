@@ -45,7 +45,7 @@ def random_polytope(rng, robots, rows, thin=1.0, at=0.0):
 def merged_team(seed, robots=5, errors="uniform", steps=2):
     """Return the polytope of a team after some steps, as it is before its regions are projected."""
     world = World(np.random.default_rng(seed), robots=robots, errors=errors)
-    estimator = SetMembershipFilter(world.team)
+    estimator = SetMembershipFilter(world.team, cells=0)
     belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
     for motion, records in world.steps(steps):
         predicted = estimator.predict(belief, motion.time, motion)

@@ -84,7 +84,7 @@ def test_robots_take_turns_and_none_escapes(scope, exact, seconds, monkeypatch):
     world = World(np.random.default_rng(3), robots=5, errors="extreme")
     stop = Stop() if exact else Stop(searches=4)  # from the fourth direction on a search looks at the clock
     budget = Budget(seconds, Ticks())
-    hurried = SetMembershipFilter(world.team, exact, stop=stop, scope=scope, budget=budget, threads=1)
+    hurried = SetMembershipFilter(world.team, exact, stop=stop, scope=scope, budget=budget, threads=1, cells=0)
     belief = begun(hurried, world)
     refined = []
     for motion, records in world.steps(5):
@@ -113,7 +113,7 @@ def test_time_may_run_out_at_any_moment(exact, seconds):
 @pytest.mark.parametrize("scope", [Window.everybody(), Window(1, 4)])
 def test_searches_that_time_cuts_short_take_turns_too(scope):
     world = World(np.random.default_rng(3), robots=3, errors="extreme")
-    hurried = SetMembershipFilter(world.team, False, scope=scope, budget=Budget(4.0, Ticks()))
+    hurried = SetMembershipFilter(world.team, False, scope=scope, budget=Budget(4.0, Ticks()), cells=0)
     belief, begun_at = begun(hurried, world), []
     for motion, records in world.steps(3):
         belief = hurried.update(hurried.predict(belief, motion.time, motion), records)
@@ -136,7 +136,7 @@ def test_who_was_not_reached_keeps_the_propagated_region():
     assert (after.regions.outer.areas <= before * 1.001).all()  # of many rows some are pruned
     assert after.polytope.lower.tolist() == predicted.polytope.lower.tolist()
     kinds = {source.kind for robot in range(4) for edge in range(3) for source in after.causes(robot, edge)}
-    assert kinds <= {"region", "range", "bearing", "initial set"}
+    assert kinds <= {"region", "range", "bearing", "initial set", "cells"}
 
 
 def test_time_enough_changes_nothing():

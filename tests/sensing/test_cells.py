@@ -57,10 +57,10 @@ def measured(rng, team, positions, headings, tight):
     ]
 
 
-def found(team, boxes, headings, records, robot=0, cells=64):
+def found(team, boxes, headings, records, robot=0):
     belief = SetMembershipFilter(team).start(0.0, boxes, headings)
     told = Told.of(Readings.of(0.0, records), headings, team.landmarks, SPACING)
-    return by_cases(belief.polytope, headings, told, robot, cells) if (told.robot == robot).any() else None
+    return by_cases(belief.polytope, headings, told, robot, 64) if (told.robot == robot).any() else None
 
 
 @given(
@@ -170,6 +170,6 @@ def test_mates_as_sets_contain_what_their_rows_leave():
     rng = np.random.default_rng(3)
     polygons = [Polygon.from_vertices(rng.normal(size=(40, 2))) for _ in range(3)]
     belief = SetMembershipFilter(Team(3, np.zeros((0, 2)), 0.5, 1.0)).start(0.0, polygons)
-    for few, polygon in zip(as_sets(belief.polytope), polygons, strict=True):
+    for few, polygon in zip(as_sets(belief.polytope, 8), polygons, strict=True):
         assert len(few.vertices) <= 12
         assert few.contains(polygon.vertices * (1 - 1e-9) + 1e-9 * polygon.centroid).all()

@@ -16,7 +16,7 @@ from experiments.proof.exact import Arc, Motion, Vector, arc_around, in_common
 from experiments.proof.line import check
 from experiments.proof.log import Frame, Log
 from experiments.proof.measured import Instant, of_measurement
-from experiments.proof.reading import Broken, Record, exact, located
+from experiments.proof.reading import Broken, Record, exact, located, shown
 from experiments.proof.sides import Sides, compasses
 
 Placed = tuple[str, Record]  # a record and its place in words
@@ -64,7 +64,7 @@ class Chain:
                     self.prove(line)
                 self._narrow(frame, record)
         for place, line in lines:
-            with located(f"{place} (t = {frame.time} s, robot {line.get('robot')})"):
+            with located(f"{place} (t = {frame.time} s, robot {shown(line.get('robot'))})"):
                 self.prove(line)
 
     def prove(self, line: Record) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 Record = dict[str, Any]
 VERSION = 2  # of the format that is read, of certificates, headings and regions
 LONGEST = 1 << 24  # bytes of a line
+SAID = 300  # characters of an error, which can hold what is in the file
 # What fields that are missing or of another type, and numbers that are none or too large, end in where they are used.
 MISSHAPEN = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 
@@ -27,9 +28,9 @@ def located(place: str) -> Iterator[None]:
     try:
         yield
     except Broken as error:
-        raise Broken(f"{place}: {error}") from None
+        raise Broken(f"{place}: {str(error)[:SAID]}") from None
     except MISSHAPEN as error:
-        raise Broken(f"{place}: not as it should be: {type(error).__name__}: {str(error)[:200]}") from None
+        raise Broken(f"{place}: not as it should be: {type(error).__name__}: {str(error)[:SAID]}") from None
 
 
 def exact(text: Any) -> Fraction:

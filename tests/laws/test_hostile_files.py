@@ -75,6 +75,8 @@ TEXTS = {
     "a huge integer": ("9" * 400, ""),
     "digits without end": ("9" * 100_000, ""),
     "deep": ("[" * 100_000 + "]" * 100_000, "nested too deep"),
+    "rather deep": ("[" * 900 + "]" * 900, ""),
+    "a long text": ('"' + "x" * 100_000 + '"', ""),
     "deep objects": ('{"a":' * 100_000 + "1" + "}" * 100_000, "nested too deep"),
     "a name twice": ('{"a": 1, "a": 2}', "a name stands twice"),
     "no JSON": ("x", "Expecting value"),

@@ -23,6 +23,7 @@ from experiments.proof.chain import Chain
 from experiments.proof.edges import WORLD
 from experiments.proof.log import Frame, Log
 from experiments.proof.reading import Broken, Feed, Record, located
+from experiments.proof.recorded import check_recording
 from experiments.proof.shown import Region, checked_region
 from experiments.proof.told import Told
 
@@ -30,6 +31,7 @@ LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "region
 SUMMARY, TRAJECTORY = "summary.json", "trajectories/r{}_filter.tum"
 BAR = 40  # characters
 TRUST = "on trust: "
+OTHER_ENTITIES = f"{TRUST}entities of the recording that are of no region"
 
 
 def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
@@ -42,9 +44,11 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     log = Log(folder)
     chain, told, progress = Chain(log), Told(log), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
+    proved = []
     for frame in log.frames:
         chain.check(headings.at(frame.time), lines.at(frame.time))
-        told.add(frame, _regions(frame, regions.at(frame.time), chain), chain.edges, chain.headings)
+        proved.append(_regions(frame, regions.at(frame.time), chain))
+        told.add(frame, proved[-1], chain.edges, chain.headings)
     for feed in (headings, lines, regions):
         feed.end()
     counts = Counter({"certificates": chain.lines, **chain.links})
@@ -52,7 +56,8 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     counts += told.check_summary(folder / SUMMARY)
     for robot in range(log.robots):
         counts["poses of the trajectories"] += told.check_trajectory(robot, folder / TRAJECTORY.format(robot))
-    counts[f"{TRUST}recordings, which are of the same numbers as {REGIONS}"] = len([*folder.glob("*.rrd")])
+    for path in sorted(folder.glob("*.rrd")):
+        counts["regions of the recording"], counts[OTHER_ENTITIES] = check_recording(path, log.frames, proved)
     counts[f"{TRUST}the measurements' own bounds"] = told.numbers()["measurements"]
     show("\n")
     return counts

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import struct
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,7 +16,8 @@ VERSION = 2  # of the format that is read, of certificates, headings and regions
 LONGEST = 1 << 24  # bytes of a line
 SAID = 300  # characters of an error, which can hold what is in the file
 # What fields that are missing or of another type, and numbers that are none or too large, end in where they are used.
-MISSHAPEN = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+MISSHAPEN: tuple[type[Exception], ...] = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+MISSHAPEN += (MemoryError, RuntimeError, StopIteration, struct.error)
 
 
 class Broken(Exception):

@@ -18,10 +18,12 @@ class Region:
     """One robot's region as it is shown.
 
     Attributes:
+        vertices: Counter-clockwise [m].
         area: [m2].
         estimate: Its middle [m].
     """
 
+    vertices: list[tuple[float, float]]
     area: float
     estimate: Vector
 
@@ -53,7 +55,7 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
     exactly, extent = area_of(vertices), max(length((x - hull[0][0], y - hull[0][1])) for x, y in hull)
     if abs(area - exactly) > OF_AREA * exactly + off * (extent + off):
         raise Broken(f"an area of {float(area):.6g} m2 is shown of a polygon of {float(exactly):.6g} m2")
-    return Region(float(area), middle)
+    return Region([(float(x), float(y)) for x, y in vertices], float(area), middle)
 
 
 def outward(hull: list[Vector]) -> list[Vector]:

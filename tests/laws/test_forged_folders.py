@@ -436,5 +436,12 @@ def test_the_lines_of_another_run_prove_nothing_here(copy, tmp_path, capsys):
         assert prove.main([str(copy)]) == 1
 
 
+def test_the_recording_of_another_run_is_refused(copy, tmp_path, capsys):
+    other = run_of(tmp_path, size=5.0)
+    (other / "moving_team.rrd").write_bytes((copy / "moving_team.rrd").read_bytes())
+    assert prove.main([str(other)]) == 1
+    assert "not proved: moving_team.rrd: /world/outer/ shows another polygon" in capsys.readouterr().out
+
+
 def test_there_are_many():
     assert len(FORGED) > 50

@@ -42,24 +42,28 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         OSError: There is no such file.
     """
     log = Log(folder)
-    chain, told, progress = Chain(log), Told(log), _Progress(show, folder / LINES)
+    chain, told, proved, progress = Chain(log), Told(log), list[list[Region]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
-    proved = []
     for frame in log.frames:
         chain.check(headings.at(frame.time), lines.at(frame.time))
         proved.append(_regions(frame, regions.at(frame.time), chain))
         told.add(frame, proved[-1], chain.edges, chain.headings)
     for feed in (headings, lines, regions):
         feed.end()
-    counts = Counter({"certificates": chain.lines, **chain.links})
-    counts["regions, closed and as they are shown"] = len(log.frames) * log.robots
-    counts += told.check_summary(folder / SUMMARY)
-    for robot in range(log.robots):
+    counts = Counter({"certificates": chain.lines, **chain.links}) + _shown(folder, told, log.frames, proved)
+    show("\n")
+    return counts
+
+
+def _shown(folder: Path, told: Told, frames: Sequence[Frame], proved: Sequence[Sequence[Region]]) -> Counter[str]:
+    """Check what else shows regions, all of which are proved; return how much of what there is."""
+    counts = told.check_summary(folder / SUMMARY)
+    for robot in range(len(proved[0])):
         counts["poses of the trajectories"] += told.check_trajectory(robot, folder / TRAJECTORY.format(robot))
     for path in sorted(folder.glob("*.rrd")):
-        counts["regions of the recording"], counts[OTHER_ENTITIES] = check_recording(path, log.frames, proved)
+        counts["regions of the recording"], counts[OTHER_ENTITIES] = check_recording(path, frames, proved)
+    counts["regions, closed and as they are shown"] = sum(map(len, proved))
     counts[f"{TRUST}the measurements' own bounds"] = told.numbers()["measurements"]
-    show("\n")
     return counts
 
 

@@ -187,7 +187,7 @@ class Chain:
         edge = before[pair].get(normal)
         if edge is not None and edge <= then:
             return "rows that are edges of an earlier step, moved"
-        corner = through_corner(all_edges(before, pair), normal)
+        corner = through_corner(all_edges(before, pair), normal, then)
         return "rows through corners of an earlier step, moved" if corner is not None and corner <= then else None
 
     def _growth(self, row: tuple[int, int, Vector, int]) -> Fraction:

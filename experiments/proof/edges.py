@@ -1,8 +1,6 @@
 """Edges that were proved of a robot or a pair, and what two of them say together. Exact arithmetic, standard library only."""
 
 from fractions import Fraction
-from itertools import islice
-from math import atan2, pi
 from typing import Any
 
 from experiments.proof.exact import Vector
@@ -10,7 +8,7 @@ from experiments.proof.reading import exact
 
 SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
 WORLD = -1
-NEIGHBOURS = 3  # edges to either side of a normal that are tried for the corner it goes through
+TRIED = 9  # pairs of edges: where some are almost parallel, floats err
 ALMOST = 1e-9  # a normal that is parallel to an edge, but for so much, may be to either side of it
 Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j) or pair i, j: offsets by normals
 
@@ -32,32 +30,28 @@ def all_edges(proved: Edges, pair: tuple[int, int]) -> dict[Vector, Fraction]:
     return edges
 
 
-def through_corner(edges: dict[Vector, Fraction], normal: Vector) -> Fraction | None:
-    """Return the least offset in a direction that two edges prove, one to either side of it; None if there are no such two."""
-    angle = atan2(normal[1], normal[0])
-    turn = {edge: (atan2(edge[1], edge[0]) - angle) % (2 * pi) for edge in edges}
-    order, found = sorted(edges, key=lambda edge: turn[edge]), []
-    for a in order[-NEIGHBOURS:]:
-        for b in order[:NEIGHBOURS]:
-            bound = of_two(edges, a, b, normal)
-            if bound is not None:
-                found.append(bound)
-    return min(found, default=None)
+def through_corner(edges: dict[Vector, Fraction], normal: Vector, enough: Fraction | None = None) -> Fraction | None:
+    """Return nearly the least offset in a direction that two edges prove, one to either side of it; None if no two do.
 
-
-def support(edges: dict[Vector, Fraction], normal: Vector) -> Fraction | None:
-    """Return nearly the same, from pairs of edges that seem best to floats, however many there are that cut nothing."""
+    Those that seem best to floats are tried, until one proves enough, or some have been.
+    """
     x, y = float(normal[0]), float(normal[1])
-    doubt, found = ALMOST * (abs(x) + abs(y)), []
+    doubt, pairs = ALMOST * (abs(x) + abs(y)), []
     floats = [(edge, float(edge[0]), float(edge[1]), float(offset)) for edge, offset in edges.items()]
     for a, ax, ay, of_a in floats:
-        for b, bx, by, of_b in floats:
-            turned, by_a, by_b = ax * by - ay * bx, x * by - y * bx, ax * y - ay * x
-            if turned > 0 and min(by_a, by_b) >= -doubt:
-                found.append(((by_a * of_a + by_b * of_b) / turned, a, b))
-    found.sort(key=lambda one: one[0])
-    bounds = (bound for _, a, b in found if (bound := of_two(edges, a, b, normal)) is not None)
-    return min(islice(bounds, NEIGHBOURS), default=edges.get(normal))  # floats can err where edges are almost parallel
+        by_b = ax * y - ay * x
+        for b, bx, by, of_b in floats if by_b >= -doubt else ():
+            turned, by_a = ax * by - ay * bx, x * by - y * bx
+            if turned > 0 and by_a >= -doubt:
+                pairs.append(((by_a * of_a + by_b * of_b) / turned, a, b))
+    found = []
+    for _, a, b in sorted(pairs, key=lambda pair: pair[0]):
+        bound = of_two(edges, a, b, normal)
+        if bound is not None:
+            found.append(bound)
+            if len(found) == TRIED or (enough is not None and bound <= enough):
+                break
+    return min(found, default=edges.get(normal))
 
 
 def of_two(edges: dict[Vector, Fraction], a: Vector, b: Vector, normal: Vector) -> Fraction | None:

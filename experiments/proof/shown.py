@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from fractions import Fraction
 
-from experiments.proof.edges import SIDES, across, plane, support
+from experiments.proof.edges import SIDES, across, plane, through_corner
 from experiments.proof.exact import Vector, length
 from experiments.proof.reading import Broken, Record, exact
 
@@ -36,7 +36,7 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
     """
     vertices = [plane(vertex) for vertex in record["vertices"]]
     hull, area, middle = hull_of(vertices), exact(record["area"]), plane(record["estimate"])
-    box = [support(edges, side) for side in BOX]
+    box = [through_corner(edges, side) for side in BOX]
     if any(side is None for side in box):
         raise Broken("what is proved is no closed polygon")
     off = TO + SHARE * max(abs(side) for side in box if side is not None)
@@ -45,9 +45,10 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
         raise Broken("what is shown is larger than what is proved")
     touched = {normal: edges[normal] for normal, most in beyond.items() if most > -MANY * off}
     for normal in [*BOX, *outward(hull)]:
-        proved, most = support(touched, normal), dot(normal, farthest(hull, normal)) + off * length(normal)
+        most = dot(normal, farthest(hull, normal)) + off * length(normal)
+        proved = through_corner(touched, normal, most)
         if proved is None or proved > most:
-            proved = support(edges, normal)
+            proved = through_corner(edges, normal, most)
         if proved is None or proved > most:
             raise Broken("what is shown is smaller than what is proved")
         if dot(normal, middle) > most:

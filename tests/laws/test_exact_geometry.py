@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments.logs.certificates import hexadecimal
-from experiments.proof.edges import plane, support, through_corner
+from experiments.proof.edges import plane, through_corner
 from experiments.proof.exact import PI, Arc, Motion, angle_of, in_common, length, sector
 from experiments.proof.exact import unit as enclosed
 from filter import AngularIntervals, Odometry, Polygon, Team
@@ -140,13 +140,13 @@ def test_an_arc_covers_the_same_some_turns_away_and_no_wider_one():
 
 
 @given(seeds, st.sampled_from([0.0, 1e6]))
-def test_a_support_is_that_of_the_polygon_whatever_else_is_known(seed, origin):
+def test_a_row_through_a_corner_is_that_of_the_polygon_whatever_else_is_known(seed, origin):
     rng = np.random.default_rng(seed)
     polygon = Polygon.from_vertices(origin + rng.normal(size=(6, 2)))
     edges = {plane(hexadecimal(n)): Fraction(float(b)) for n, b in zip(polygon.normals, polygon.offsets, strict=True)}
     others = [unit(angle) for angle in rng.uniform(-np.pi, np.pi, 20)]  # that cut nothing
     known = edges | {plane(hexadecimal(n)): Fraction(float(polygon.support(n[None])[0])) + 1 for n in others}
     normal = unit(rng.uniform(-np.pi, np.pi)) if rng.uniform() < 0.7 else polygon.normals[0] * (1 + 1e-16) * 3.7
-    found = support(known, plane(hexadecimal(normal)))
+    found = through_corner(known, plane(hexadecimal(normal)))
     assert float(found) == pytest.approx((polygon.vertices @ normal).max(), abs=1e-9 + 1e-8 * origin)
-    assert support({}, plane(hexadecimal(normal))) is None
+    assert through_corner({}, plane(hexadecimal(normal))) is None

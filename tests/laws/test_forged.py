@@ -1,5 +1,7 @@
 """Certificates made up by hand, each line of which seems to follow from the one before."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from experiments.logs import Header, InitialSet, LogWriter
 from experiments.proof.chain import Chain
 from experiments.proof.log import Log
 from experiments.proof.reading import Broken
+from experiments.proof.shown import checked_region
 from filter.measurements import Frame
 from filter.team import Team
 
@@ -95,3 +98,49 @@ def test_a_side_says_no_more_than_its_line(tmp_path):
     landmark = {**claim((-1, 1), (1.0, 0.0), 7.0, {"1": RIGHT}), "side": 2}
     assert "line 1" in outcome(tmp_path, landmark)  # there is none
     assert "line 1" in outcome(tmp_path, {**claim((0, 1), (0.0, 0.0), 0.0, of_two), "side": 0})  # a side of no direction
+
+
+SQUARE = {(Fraction(x), Fraction(y)): Fraction(1) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))}  # 2 m wide
+CORNERS = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+
+
+def region(corners=CORNERS, area=4.0, estimate=(0.0, 0.0)):
+    """Return a region as it is shown."""
+    vertices = [list(map(float.hex, corner)) for corner in corners]
+    return {"vertices": vertices, "area": area.hex(), "estimate": list(map(float.hex, estimate))}
+
+
+def test_a_region_is_shown_as_it_is_proved():
+    shown = checked_region(region(), SQUARE)
+    assert (shown.vertices, shown.area, shown.estimate) == (CORNERS, 4.0, (0, 0))
+    twice = [corner for corner in CORNERS for _ in range(2)]
+    assert checked_region(region(twice), SQUARE).area == 4.0
+
+
+NOT_SHOWN = {
+    "open": (region(), dict(list(SQUARE.items())[:3]), "no closed polygon"),
+    "nothing proved": (region(), {}, "no closed polygon"),
+    "smaller": (region([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0 - 1e-8), (-1.0, 1.0)]), SQUARE, "smaller"),
+    "a triangle": (region(CORNERS[:3], 2.0), SQUARE, "smaller"),
+    "a point": (region([(0.0, 0.0)], 0.0), SQUARE, "smaller"),
+    "larger": (region([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0 + 1e-8), (-1.0, 1.0)]), SQUARE, "larger"),
+    "the other way round": (region(CORNERS[::-1]), SQUARE, "an area of 4 m2 is shown of a polygon of -4 m2"),
+    "another area": (region(area=4.0 + 1e-7), SQUARE, "an area of 4 m2 is shown"),
+    "an estimate outside": (region(estimate=(1.0 + 1e-8, 0.0)), SQUARE, "the estimate is outside"),
+}
+
+
+@pytest.mark.parametrize("name", NOT_SHOWN)
+def test_a_region_is_shown_no_other_way(name):
+    record, edges, why = NOT_SHOWN[name]
+    with pytest.raises(Broken, match=why):
+        checked_region(record, edges)
+
+
+def test_a_region_may_be_a_point_or_a_line():
+    corner = SQUARE | {(Fraction(-1), Fraction(-1)): Fraction(-2)}  # the square's upper right corner alone
+    assert checked_region(region([(1.0, 1.0)] * 3, 0.0, (1.0, 1.0)), corner).area == 0.0
+    diagonal = SQUARE | {(Fraction(1), Fraction(-1)): Fraction(0), (Fraction(-1), Fraction(1)): Fraction(0)}
+    assert checked_region(region([CORNERS[0], CORNERS[2]], 0.0), diagonal).area == 0.0
+    with pytest.raises(Broken, match="smaller"):
+        checked_region(region([(1.0, 1.0)] * 3, 0.0, (1.0, 1.0)), diagonal)

@@ -382,6 +382,52 @@ def a_log_out_of_order(log):
     log[4:] = [record for time in (0.7, 0.0) for record in log[4:] if abs(record["time"] - time) < 0.01]
 
 
+@forged("a log of version 1 was expected, not 'corral-log', version 2", LOG)
+def a_log_of_another_version(log):
+    log[0]["version"] = 2
+
+
+@forged("at least one frame was expected", LOG)
+def a_log_without_frames(log):
+    del log[4:]
+
+
+@forged("a second initial set of robot 0", LOG)
+def a_robot_that_begins_twice(log):
+    log[2]["robot"] = 0
+
+
+@forged("an initial set without a point", LOG)
+def a_start_that_is_empty(log):
+    log[1]["vertices"] = []
+
+
+@forged("a relative bound of 1 or more", LOG)
+def a_range_that_says_nothing(log):
+    all_of(log, "range")[0]["relative_bound"] = 1.0
+
+
+@forged("in a frame of t = 0.0 s", LOG)
+def a_record_of_another_time(log):
+    all_of(log, "bearing")[0]["time"] = 0.1
+
+
+@forged("one truth of 3 robots was expected", LOG)
+def a_truth_of_two(log):
+    for column in ("positions", "headings"):
+        all_of(log, "truth")[0][column].pop()
+
+
+@forged("a record 'sonar' that there is not", LOG)
+def a_record_of_another_kind(log):
+    all_of(log, "range")[0]["record"] = "sonar"
+
+
+@forged("a second odometry of robot", LOG)
+def odometry_said_twice(log):
+    log.insert(log.index(all_of(log, "odometry")[0]), all_of(log, "odometry")[0])
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return run_of(tmp_path_factory.mktemp("forged"))
@@ -444,4 +490,4 @@ def test_the_recording_of_another_run_is_refused(copy, tmp_path, capsys):
 
 
 def test_there_are_many():
-    assert len(FORGED) > 50
+    assert len(FORGED) > 60

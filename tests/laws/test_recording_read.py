@@ -81,6 +81,15 @@ def test_columns_come_back(name):
     assert found.notes == {ENTITY: "/a"}
 
 
+def test_columns_of_other_types_are_refused():
+    table = pa.record_batch([pa.array([1, 2], pa.timestamp("ns"))], ["when"])
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, table.schema) as stream:
+        stream.write_batch(table)
+    with pytest.raises(Broken, match="an Arrow type 10 that is not known here"):
+        Stream(sink.getvalue().to_pybytes()).columns()
+
+
 def varint(number):
     """Return a whole number as protocol buffers have it."""
     rest = bytearray()

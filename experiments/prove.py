@@ -46,7 +46,7 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     for frame in log.frames:
         chain.check(headings.at(frame.time), lines.at(frame.time))
-        proved.append(_regions(frame, regions.at(frame.time), chain))
+        proved.append(regions_of(frame, regions.at(frame.time), chain))
         told.add(frame, proved[-1], chain.edges, chain.headings)
     for feed in (headings, lines, regions):
         feed.end()
@@ -67,7 +67,7 @@ def _shown(folder: Path, told: Told, frames: Sequence[Frame], proved: Sequence[S
     return counts
 
 
-def _regions(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> list[Region]:
+def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> list[Region]:
     """Return the regions of a frame, each of them proved."""
     (place, record), *more = found
     with located(f"{place} (t = {frame.time} s)"):

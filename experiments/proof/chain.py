@@ -47,6 +47,11 @@ class Chain:
         return self._instants[-1].headings
 
     @property
+    def sides(self) -> Sides:
+        """Where targets are, as far as that has been proved in this step."""
+        return self._instants[-1].sides
+
+    @property
     def edges(self) -> Edges:
         """What has been proved of each robot and pair in this step so far."""
         return self._proved[-1]
@@ -81,7 +86,7 @@ class Chain:
         for row, source in zip(line["rows"], line["sources"], strict=True):
             self._check_row(row, source)
         if "side" in line:
-            self._instants[-1].sides.add(line)
+            self.sides.add(line)
         else:
             self._claim((line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"]))
 
@@ -108,7 +113,7 @@ class Chain:
             if claim.covers(alone):
                 self.links["headings, from odometry and compasses"] += 1
                 continue
-            proved = in_common(alone, self._instants[-1].sides.headings(frame, robot))
+            proved = in_common(alone, self.sides.headings(frame, robot))
             if not claim.covers(proved):
                 raise Broken(
                     f"the heading of robot {robot} is not proved: {_degrees(claim)} is claimed, {_degrees(proved)} proved"

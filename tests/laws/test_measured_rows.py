@@ -20,7 +20,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 def instant(rng, kinds, sides):
     """Return what robot 0, which sees robot 1, knows and measures, and what that allows: directions and distances."""
-    heading, bound = rng.uniform(-np.pi, np.pi), rng.choice([0.01, 0.3, 1.0])
+    heading, bound = rng.uniform(-np.pi, np.pi), rng.choice([0.01, 0.3, 1.4])
     bearing = {"bearing": rng.uniform(-np.pi, np.pi), "bound": rng.choice([0.0, 0.05, 0.6])}
     given = {"range": rng.uniform(0, 4), "bound": rng.choice([0.0, 0.1]), "relative_bound": rng.choice([0.0, 0.05])}
     readings = {(kind, 0, 1): [{"bearing": bearing, "range": given}[kind]] for kind in kinds}
@@ -43,6 +43,8 @@ def instant(rng, kinds, sides):
 def row_near(rng, arc, distances, kind):
     """Return a normal and an offset that are almost those of a row of some kind, a little too little or too much."""
     low, high = arc
+    if rng.uniform() < 0.2:  # both ends of a wide arc are behind what is in its middle
+        return unit((low + high) / 2), 0.0
     middle, slack = (low + high) / 2, rng.choice([0.0, 1e-9, 0.1]) * rng.choice([-1, 1])
     if kind == "bearing":
         side = rng.choice([-1, 1])

@@ -181,7 +181,7 @@ class Following:
         )
         self._trajectories, self.beside = Trajectories(folder, team), Beside(scenario)
         self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
-        self._certificates = Certificates(folder) if options.certificates else None
+        self._certificates = Certificates(folder, team.landmarks) if options.certificates else None
         self._pictured = -PICTURE_EVERY
         self._guarantee = "in force"
 
@@ -209,7 +209,7 @@ class Following:
         if (guess := self.beside.estimate(step.frame)) is not None:
             self._trajectories.estimate("ekf", step.frame.time, guess.mean[:, :2], guess.mean[:, 2])
         if self._certificates:
-            self._certificates.write(step.belief)
+            self._certificates.write(step)
         for event in step.belief.events:
             self._recording.event(str(event), "WARN")
         self._warrant(step.belief)

@@ -5,7 +5,10 @@ every side of a robot's box; every float as a C99 hexadecimal string, which is e
 satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot alone where `from` is -1. The rows are
 normal . (x_j - x_i) <= offset, or of x_j alone where i is -1.
 
-`headings.jsonl.gz` beside it holds each step's heading intervals, which the motion of the rows depends on.
+A line with a `side` says of a robot's target, that one, that it is to one side of the robot: its direction is known then.
+
+`headings.jsonl.gz` beside it holds each step's heading intervals, and the sides that bearings have narrowed them by;
+`regions.jsonl.gz` the regions with the very numbers that recordings, trajectories and summaries show.
 """
 
 from __future__ import annotations
@@ -17,32 +20,37 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from filter import Array, Belief, Proof, Source
+from experiments.logs.sides import Sighted, sides_behind_headings, sides_behind_ranges
+from filter import Array, Belief, Polygon, Proof, Source, Step
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"
-VERSION = 1  # of the format, in every certificate
+REGIONS = "regions.jsonl.gz"
+VERSION = 2  # of the format, in every line
 FAST = 3  # of gzip's nine levels: twice as fast as the usual one, and the file a tenth larger
 
 
 class Certificates:
     """Writes a run's certificates as it goes on. Use as a context manager, or call `close`."""
 
-    def __init__(self, folder: Path) -> None:
-        self._file, self._headings = _packed(folder / FILE), _packed(folder / HEADINGS)
+    def __init__(self, folder: Path, landmarks: Array) -> None:
+        self._files = {name: _packed(folder / name) for name in (FILE, HEADINGS, REGIONS)}
+        self._landmarks = landmarks
 
-    def write(self, belief: Belief) -> None:
-        """Append all that the belief's regions rest on."""
-        for proof in (proof for proof in belief.proofs if isinstance(proof, Proof)):
-            _write(self._file, records(belief.time, proof))
-        arcs = belief.headings
-        record = {"t": belief.time.hex(), "centre": hexadecimal(arcs.centre), "bound": hexadecimal(arcs.bound)}
-        _write(self._headings, [record])
+    def write(self, step: Step[Belief]) -> None:
+        """Append all that the headings and regions of a step rest on, and the regions as they are shown."""
+        belief, time = step.belief, {"version": VERSION, "t": step.belief.time.hex()}
+        arcs, landmarks = belief.headings, self._landmarks
+        columns = {"centre": hexadecimal(arcs.centre), "bound": hexadecimal(arcs.bound)}
+        self._write(HEADINGS, [{**time, **columns, "sides": side_records(belief.time, sides_behind_headings(step, landmarks))}])
+        lines = [line for proof in belief.proofs for line in records(belief.time, proof)]
+        self._write(FILE, [*side_records(belief.time, sides_behind_ranges(step, landmarks)), *lines])
+        self._write(REGIONS, [{**time, "regions": [region_record(region.outer) for region in belief.regions]}])
 
     def close(self) -> None:
         """Close the files."""
-        self._file.close()
-        self._headings.close()
+        for file in self._files.values():
+            file.close()
 
     def __enter__(self) -> Certificates:
         return self
@@ -50,14 +58,13 @@ class Certificates:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
+    def _write(self, name: str, lines: Sequence[dict[str, Any]]) -> None:
+        self._files[name].write("".join(json.dumps(record) + "\n" for record in lines).encode())
+
 
 def _packed(path: Path) -> gzip.GzipFile:
     """Return a new file; the time it was made is not in it, so that the same run gives the same bytes."""
     return gzip.GzipFile(path, "wb", FAST, mtime=0)
-
-
-def _write(file: gzip.GzipFile, lines: Sequence[dict[str, Any]]) -> None:
-    file.write("".join(json.dumps(record) + "\n" for record in lines).encode())
 
 
 def records(time: float, proof: Proof) -> list[dict[str, Any]]:
@@ -93,6 +100,18 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
             }
         )
     return found
+
+
+def side_records(time: float, sides: Sighted) -> list[dict[str, Any]]:
+    """Return the certificates of sides, each with the target that it is about."""
+    proof, about = sides
+    return [{**line, "side": target} for line, target in zip(records(time, proof), about.tolist(), strict=True)]
+
+
+def region_record(outer: Polygon) -> dict[str, Any]:
+    """Return a region as recordings, trajectories and summaries show it."""
+    vertices = [hexadecimal(vertex) for vertex in outer.vertices]
+    return {"vertices": vertices, "area": float(outer.area).hex(), "estimate": hexadecimal(outer.centroid)}
 
 
 def source_record(source: Source) -> dict[str, Any]:

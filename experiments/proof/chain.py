@@ -2,248 +2,209 @@
 
 Every row that a certificate rests on has to follow from something: an edge that was proved in this step or in an earlier one
 (moved outward by what the robots can have driven since), two such edges that meet in a corner, an initial set, or a
-measurement in the log. Boxes likewise. What is taken on trust is counted: headings narrowed by bearings, and near sides of
-ranges over arcs narrower than one bearing's own.
+measurement in the log. Boxes likewise, and headings: from those before, turned by odometry, and from compasses and bearings.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from fractions import Fraction
-from math import atan2, pi
-from pathlib import Path
-from typing import Any
+from math import pi
 
-from experiments.proof.exact import PI, PI_ROUNDING, Motion, Vector, length
-from experiments.proof.log import Log, compass
+from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner
+from experiments.proof.exact import Arc, Motion, Vector, arc_around, in_common
+from experiments.proof.line import check
+from experiments.proof.log import Frame, Log
+from experiments.proof.measured import Instant, of_measurement
+from experiments.proof.reading import Broken, Record, exact, located, shown
+from experiments.proof.sides import Sides, compasses
 
-SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
-WORLD = -1
-NEIGHBOURS = 3  # edges to either side of a normal that are tried for the corner it goes through
-Record = dict[str, Any]
-Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j) or pair i, j: offsets by normals
-
-
-class Broken(Exception):
-    """Something is not proved."""
+Placed = tuple[str, Record]  # a record and its place in words
 
 
 class Chain:
-    """Checks one step after the other. Without log and headings beside the certificates it says so, and checks nothing.
+    """Checks one step after the other.
 
     Attributes:
-        links: How many links of each kind there were; those whose name begins with "on trust" are not proved.
+        links: How many links of each kind there were, all of them proved.
+        lines: How many certificates there were.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, log: Log) -> None:
         self.links: Counter[str] = Counter()
-        there = all((folder / name).exists() for name in ("log.jsonl", "headings.jsonl.gz"))
-        self._log = Log(folder) if there else None
-        self._since: float | None = None
-        self._history: list[list[Motion] | None] = []  # by the log's frames
-        self._proved: dict[float | None, Edges] = {}  # what was proved at each time of each robot or pair
-        self._now: Edges = {}  # and so far in this step
-        self._grown: dict[tuple[Any, ...], tuple[int, Fraction]] = {}  # up to which frame, and by how much
+        self.lines = 0
+        self._log = log
+        self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
+        self._history: list[list[Motion] | None] = []  # by frames, as are the next two
+        self._proved: list[Edges] = []
+        self._instants: list[Instant] = []
+        self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
 
-    def report(self) -> list[str]:
-        """Return what has been proved and what has been taken on trust, in words."""
-        if self._log is None:
-            return ["on trust: where the rows come from; there is no log.jsonl with headings.jsonl.gz beside the certificates"]
-        return [f"{count:8d} {name}" for name, count in sorted(self.links.items())]
+    @property
+    def headings(self) -> Sequence[Arc]:
+        """What has been proved of the robots' headings in this step so far."""
+        return self._instants[-1].headings
 
-    def check(self, step: list[Record]) -> None:
-        """Check the rows and the boxes of one step's certificates, each of them proved in itself.
+    @property
+    def sides(self) -> Sides:
+        """Where targets are, as far as that has been proved in this step."""
+        return self._instants[-1].sides
+
+    @property
+    def edges(self) -> Edges:
+        """What has been proved of each robot and pair in this step so far."""
+        return self._proved[-1]
+
+    def check(self, headings: Sequence[Placed], lines: Sequence[Placed]) -> None:
+        """Check the next step: its headings, as often as they became narrower, and then its certificates.
 
         Raises:
-            Broken: A row or a box does not follow from anything before it.
+            Broken: Something does not follow from anything before it.
         """
-        if self._log is None:
-            return
-        time = float.fromhex(step[0]["t"])
-        frame = len(self._history)
-        if self._log.times[frame : frame + 1] != [time]:
-            raise Broken(f"t = {time} s: the log has another frame there")
-        self._history.append(self._log.motions(self._since, time))
-        self._now, self._seen = {}, set()
-        self._proved[time] = self._now
-        for line in step:
-            try:
-                self._check_boxes(self._log, line)
-                for row, source in zip(line["rows"], line["sources"], strict=True):
-                    self._check_row(self._log, row, source)
-            except (Broken, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
-                raise Broken(f"t = {time} s, an edge of robot {line['robot']}: {error}") from None
-            self._claim((line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"]))
-        self._close(self._log, time)
+        frame = self._begin()
+        for place, record in headings:
+            with located(place):
+                for line in record["sides"]:
+                    self.prove(line)
+                self._narrow(frame, record)
+        for place, line in lines:
+            with located(f"{place} (t = {frame.time} s, robot {shown(line.get('robot'))})"):
+                self.prove(line)
 
-    def _close(self, log: Log, time: float) -> None:
-        for robot in range(log.header["robots"]):
-            self.links[_heading_link(log, robot, self._since, time)] += 1
-        self._since = time
+    def prove(self, line: Record) -> None:
+        """Prove one line in itself, its boxes and its rows; what it says is known from then on.
+
+        Raises:
+            Broken: Something of it is not proved.
+        """
+        self.lines += 1
+        if float(exact(line["t"])) != self._instants[-1].frame.time:
+            raise Broken("a line of another time than its frame's")
+        check(line)
+        self._check_boxes(line)
+        for row, source in zip(line["rows"], line["sources"], strict=True):
+            self._check_row(row, source)
+        if "side" in line:
+            self.sides.add(line)
+        else:
+            self._claim((line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"]))
+
+    def _begin(self) -> Frame:
+        log, number = self._log, len(self._history)
+        frame, since = log.frames[number], log.frames[number - 1].time if number else log.start
+        before = self.headings if number else log.initial
+        self._history.append(log.motions(frame, since, before))
+        self._proved.append({})
+        self._instants.append(Instant(log, frame, log.turned(frame, since, before), Sides(log.robots, log.landmarks)))
+        self._seen = set()
+        return frame
+
+    def _narrow(self, frame: Frame, record: Record) -> None:
+        """Check the headings of one record against all that is known so far, and take them over."""
+        claimed = [
+            arc_around(float(exact(centre)), float(exact(bound)))
+            for centre, bound in zip(record["centre"], record["bound"], strict=True)
+        ]
+        if len(claimed) != self._log.robots:
+            raise Broken(f"headings of {len(claimed)} robots, where there are {self._log.robots}")
+        for robot, (known, claim) in enumerate(zip(self.headings, claimed, strict=True)):
+            alone = in_common(known, compasses(frame, robot))
+            if claim.covers(alone):
+                self.links["headings, from odometry and compasses"] += 1
+                continue
+            proved = in_common(alone, self.sides.headings(frame, robot))
+            if not claim.covers(proved):
+                raise Broken(
+                    f"the heading of robot {robot} is not proved: {_degrees(claim)} is claimed, {_degrees(proved)} proved"
+                )
+            self.links["headings, from bearings, too"] += 1
+        self._instants[-1].headings = claimed
 
     def _claim(self, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
-        edges = self._now.setdefault(pair, {})
+        edges = self.edges.setdefault(pair, {})
         edges[normal] = min(offset, edges.get(normal, offset))
 
-    def _support(self, frame: int, body: int, normal: Vector) -> Fraction:
-        motions = self._history[frame]
+    def _support(self, number: int, body: int, normal: Vector) -> Fraction:
+        motions = self._history[number]
         return motions[body].support(normal) if motions else Fraction(0)
 
-    def _check_boxes(self, log: Log, line: Record) -> None:
+    def _check_boxes(self, line: Record) -> None:
         """Check the box of every robot that a line names: moved with the robot, cut by the last step's edges and the arena."""
-        for body in line["upper"]:
-            if (key := str((body, line["lower"][body], line["upper"][body]))) in self._seen:
+        for text in line["upper"]:
+            if (key := str((text, line["lower"][text], line["upper"][text]))) in self._seen:
                 continue
-            if not 0 <= int(body) < log.header["robots"]:
-                raise Broken(f"the box of a robot {body} that there is not")
+            if not 0 <= (robot := int(text)) < self._log.robots:
+                raise Broken(f"the box of a robot {text} that there is not")
             self._seen.add(key)
             for side, k, direction in SIDES:
-                sign, robot, normal = (1 if side == "upper" else -1), int(body), plane(direction)
-                if self._since is None:
-                    before = max(sign * corner[k] for corner in log.vertices[robot])
-                else:
-                    before = self._proved[self._since][WORLD, robot][normal]
-                needed = before + self._support(-1, robot, normal)
-                limit = log.header["arena"][side == "upper"][k]
+                sign, normal = (1 if side == "upper" else -1), plane(direction)
+                needed = self._before(robot, sign, k) + self._support(-1, robot, normal)
+                limit = self._log.arena[side == "upper"][k]
                 needed = needed if limit is None else min(needed, sign * Fraction(limit))
-                needed = min(needed, self._now.get((WORLD, robot), {}).get(normal, needed))
-                offset = sign * exact(line[side][body][k])
+                needed = min(needed, self.edges.get((WORLD, robot), {}).get(normal, needed))
+                offset = sign * exact(line[side][text][k])
                 if offset < needed:
-                    raise Broken(f"the {side} side of robot {body}'s box lies {float(needed - offset):.3g} m too far inside")
+                    raise Broken(f"the {side} side of robot {robot}'s box lies {float(needed - offset):.3g} m too far inside")
                 self._claim((WORLD, robot), normal, offset)
             self.links["boxes, from edges, motion and the arena"] += 1
 
-    def _check_row(self, log: Log, row: Record, source: Record) -> None:
+    def _before(self, robot: int, sign: int, k: int) -> Fraction:
+        """Return the greatest coordinate k, of that sign, that a robot had one step earlier."""
+        if len(self._proved) == 1:
+            return max(sign * corner[k] for corner in self._log.vertices[robot])
+        return self._proved[-2][WORLD, robot][plane((0, sign) if k else (sign, 0))]
+
+    def _check_row(self, row: Record, source: Record) -> None:
         if (key := str((row["i"], row["j"], row["normal"], row["offset"], source))) in self._seen:
             return
         self._seen.add(key)
-        offset, normal = exact(row["offset"]), plane(row["normal"])
-        pair, taken = (row["i"], row["j"]), float.fromhex(source["t"])
-        link = self._of_edges(log, pair, normal, offset, taken if source["kind"] == "region" else self._since)
-        if link is None and row["i"] < 0 and self._since is None:
-            start = max(normal[0] * x + normal[1] * y for x, y in log.vertices[row["j"]])
-            link = "rows of initial sets" if start + self._support(-1, row["j"], normal) <= offset else None
-        if link is None and source["kind"] in ("bearing", "range"):
-            link = of_measurement(log, row, source, offset - self._growth(log, (*pair, normal, taken)))
+        offset, normal, pair = exact(row["offset"]), plane(row["normal"]), (row["i"], row["j"])
+        now, kind, time = len(self._proved) - 1, source["kind"], float(exact(source["t"]))
+        link = self._of_edges(pair, normal, offset, self._number(time) if kind == "region" else now - 1)
+        if link is None and row["i"] < 0 and not now:
+            start = max(normal[0] * x + normal[1] * y for x, y in self._log.vertices[row["j"]])
+            link = "rows of initial sets" if start + self._support(0, row["j"], normal) <= offset else None
+        if link is None and kind in ("bearing", "range"):
+            taken = self._number(time)
+            then = offset - self._growth((*pair, normal, taken))
+            link = of_measurement(self._instants[taken], pair, source, normal, then)
         if link is None:
             raise Broken(f"a row on {row['i']}, {row['j']} follows from nothing known; it says it is of {source}")
         self.links[link] += 1
 
-    def _of_edges(self, log: Log, pair: tuple[int, int], normal: Vector, offset: Fraction, taken: float | None) -> str | None:
-        """Return why a row holds, if it is an edge proved in this step or at a time before, or goes through a corner."""
-        edge = self._now.get(pair, {}).get(normal)
+    def _number(self, time: float) -> int:
+        """Return the number of the frame of a time [s]."""
+        number = self._numbers.get(time, len(self._proved))
+        if number >= len(self._proved):
+            raise Broken(f"a row of t = {time} s, which is no frame so far")
+        return number
+
+    def _of_edges(self, pair: tuple[int, int], normal: Vector, offset: Fraction, taken: int) -> str | None:
+        """Return why a row holds, if it is an edge proved in this step or in one before, or goes through a corner."""
+        edge = self.edges.get(pair, {}).get(normal)
         if edge is not None and edge <= offset:
             return "rows that are edges proved in the same step"
-        before = self._proved.get(taken, {}) if taken is not None else {}
-        if taken is None or pair not in before:
+        before = self._proved[taken] if taken >= 0 else {}
+        if pair not in before:
             return None
-        then = offset - self._growth(log, (*pair, normal, taken))
+        then = offset - self._growth((*pair, normal, taken))
         edge = before[pair].get(normal)
         if edge is not None and edge <= then:
             return "rows that are edges of an earlier step, moved"
-        corner = through_corner(all_edges(before, pair), normal)
+        corner = through_corner(all_edges(before, pair), normal, then)
         return "rows through corners of an earlier step, moved" if corner is not None and corner <= then else None
 
-    def _growth(self, log: Log, row: tuple[int, int, Vector, float]) -> Fraction:
-        """Return how much a row has moved outward since it was measured or proved."""
+    def _growth(self, row: tuple[int, int, Vector, int]) -> Fraction:
+        """Return how much a row has moved outward since the frame that it was measured or proved at."""
         i, j, normal, taken = row
-        frame, total = self._grown.get(row, (log.times.index(taken), Fraction(0)))
+        number, total = self._grown.get(row, (taken, Fraction(0)))
         back = (-normal[0], -normal[1])
-        for later in range(frame + 1, len(self._history)):
+        for later in range(number + 1, len(self._history)):
             total += self._support(later, j, normal) + (self._support(later, i, back) if i >= 0 else 0)
         self._grown[row] = len(self._history) - 1, total
         return total
 
 
-def all_edges(proved: Edges, pair: tuple[int, int]) -> dict[Vector, Fraction]:
-    """Return what was proved of a robot, or of a pair with what the two boxes say of it."""
-    edges, (i, j) = dict(proved[pair]), pair
-    for _, _, direction in SIDES if i != WORLD else ():
-        normal, back = plane(direction), plane((-direction[0], -direction[1]))
-        if normal in proved.get((WORLD, j), {}) and back in proved.get((WORLD, i), {}):
-            side = proved[WORLD, j][normal] + proved[WORLD, i][back]
-            edges[normal] = min(side, edges.get(normal, side))
-    return edges
-
-
-def through_corner(edges: dict[Vector, Fraction], normal: Vector) -> Fraction | None:
-    """Return the least offset in a direction that two edges prove, one to either side of it; None if there are no such two."""
-    angle = atan2(normal[1], normal[0])
-    turn = {edge: (atan2(edge[1], edge[0]) - angle) % (2 * pi) for edge in edges}
-    order, found = sorted(edges, key=lambda edge: turn[edge]), []
-    for a in order[-NEIGHBOURS:]:
-        for b in order[:NEIGHBOURS]:
-            turned = across(a, b)
-            weights = (across(normal, b), across(a, normal)) if turned > 0 else (Fraction(-1),) * 2
-            if min(weights) >= 0:
-                found.append((weights[0] * edges[a] + weights[1] * edges[b]) / turned)
-    return min(found, default=None)
-
-
-def across(a: Vector, b: Vector) -> Fraction:
-    """Return the cross product of two vectors."""
-    return a[0] * b[1] - a[1] * b[0]
-
-
-def of_measurement(log: Log, row: Record, source: Record, offset: Fraction) -> str | None:
-    """Return why a row holds with an offset at the time of its measurement, or None if it does not."""
-    time, robot, target, mates = float.fromhex(source["t"]), source["robot"], source["target"], log.header["robots"]
-    x, y = plane(row["normal"])
-    if row["i"] < 0 and target is not None and target >= mates and robot == row["j"]:
-        mark = [Fraction(value) for value in log.header["landmarks"][target - mates]]
-        x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])  # of the landmark, seen from the robot
-    elif (robot, target) == (row["j"], row["i"]):
-        x, y = -x, -y
-    elif (robot, target) != (row["i"], row["j"]):
-        return None
-    for reading in log.readings(time, source["kind"], robot, target):
-        if source["kind"] == "bearing":
-            arc = log.headings[time][robot].widened(reading["bearing"], reading["bound"])
-            if arc.narrow and arc.most((x, y)) <= 0 <= offset:
-                return "rows of bearings, from the log"
-        elif link := _of_range(log, source, reading, (x, y), offset):
-            return link
-    return None
-
-
-def _of_range(log: Log, source: Record, reading: dict[str, Fraction], normal: Vector, offset: Fraction) -> str | None:
-    time, robot, target = float.fromhex(source["t"]), source["robot"], source["target"]
-    value, bound, share = reading["range"], reading["bound"], reading["relative_bound"]
-    if offset >= (value + bound) / (1 - share) * length(normal):
-        return "rows of ranges, far side, from the log"
-    least = max(Fraction(0), (value - bound) / (1 + share))
-    seen = [(normal, robot, one) for one in log.readings(time, "bearing", robot, target)]
-    if target < log.header["robots"]:
-        seen += [((-normal[0], -normal[1]), target, one) for one in log.readings(time, "bearing", target, robot)]
-    for way, who, one in seen:
-        arc = log.headings[time][who].widened(one["bearing"], one["bound"])
-        if arc.narrow and arc.most(way) <= 0 and offset >= least * arc.most(way):
-            return "rows of ranges, near side, from the log"
-    # No near side is farther than the range itself; up to there its arc, of all that is known of the pair, is believed.
-    return "on trust: rows of ranges, near side, over a narrower arc" if offset >= -least * length(normal) else None
-
-
-def _heading_link(log: Log, robot: int, since: float | None, time: float) -> str:
-    """Return whether odometry and compasses alone explain a heading interval."""
-    claimed = log.headings[time][robot]
-    least, greatest = [], []
-    compasses = [compass(one) for one in log.readings(time, "compass", robot, None)]
-    for arc in (log.turned(robot, since, time), *compasses):
-        if arc.narrow:
-            turns = round((claimed.low + claimed.high - arc.low - arc.high) / (4 * PI))
-            least.append(arc.low + 2 * turns * PI - 2 * abs(turns) * PI_ROUNDING)
-            greatest.append(arc.high + 2 * turns * PI + 2 * abs(turns) * PI_ROUNDING)
-    whole = claimed.high - claimed.low > 2 * (PI + PI_ROUNDING)
-    if whole or (least and claimed.low <= max(least) and min(greatest) <= claimed.high):
-        return "headings, from odometry and compasses"
-    return "on trust: headings that bearings have narrowed"
-
-
-def exact(text: str) -> Fraction:
-    """Return the number that a C99 hexadecimal string says, without rounding."""
-    return Fraction(float.fromhex(text))
-
-
-def plane(normal: list[str] | tuple[int, int]) -> Vector:
-    """Return a normal as exact numbers."""
-    x, y = (exact(value) if isinstance(value, str) else Fraction(value) for value in normal)
-    return x, y
+def _degrees(arc: Arc) -> str:
+    low, high = (round(float(end) * 180 / pi, 4) for end in (arc.low, arc.high))
+    return f"{low} to {high} degrees"

@@ -1,7 +1,6 @@
 """A full disk, a closed pipe, a lost folder: one clear line, and a code that does not say that the truth was outside."""
 
 import errno
-import gzip
 import json
 import os
 import re
@@ -185,8 +184,7 @@ def test_with_nobody_at_stderr_the_code_still_tells(closed_pipe):
 
 
 def test_a_verdict_that_cannot_be_told_is_none(tmp_path, closed_pipe):
-    with gzip.open(tmp_path / "certificates.jsonl.gz", "wt") as file:
-        file.write("")
+    (tmp_path / "log.jsonl").write_text("")
     assert with_stdout(subprocess.DEVNULL, "-m", "experiments.prove", str(tmp_path)).returncode == 1
     untold = with_stdout(closed_pipe, "-m", "experiments.prove", str(tmp_path))
     assert untold.returncode == CANNOT_WRITE

@@ -19,6 +19,7 @@ PAST = {
     "experiments/follow/frozen.py": "the checks of numbers and arrays that all records share",
     "experiments/logs/fields.py": "the same checks",
     "experiments/logs/records.py": "the same checks",
+    "experiments/logs/sides.py": "where targets are at a glance, and rows of bearings, to prove what the filter took from them",
     "experiments/logs/tum.py": "the same checks",
     "experiments/sweep/executors.py": "the same checks",
 }

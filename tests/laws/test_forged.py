@@ -1,14 +1,15 @@
 """Certificates made up by hand, each line of which seems to follow from the one before."""
 
-import gzip
-import json
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from experiments import prove
 from experiments.logs import Header, InitialSet, LogWriter
-from experiments.logs.certificates import HEADINGS, hexadecimal
+from experiments.proof.chain import Chain
+from experiments.proof.log import Log
+from experiments.proof.reading import Broken
+from experiments.proof.shown import checked_region
 from filter.measurements import Frame
 from filter.team import Team
 
@@ -17,15 +18,16 @@ ZERO = (0.0).hex()
 
 
 def outcome(path, *lines):
-    """Return the exit code for lines of the first step of two robots that are at rest and measure nothing."""
+    """Return why lines of the first step of two robots that are at rest and measure nothing are refused, or ""."""
     initial = [InitialSet(np.array([low, [high[0], low[1]], high]), (0.0, 0.1)) for low, high in (LEFT, RIGHT)]
     with LogWriter(path / "log.jsonl", Header(Team(2), 0.0, None), initial) as log:
         log.write(Frame(0.0, None, (), None))
-    with gzip.open(path / HEADINGS, "wt") as file:
-        file.write(json.dumps({"t": ZERO, "centre": hexadecimal(np.zeros(2)), "bound": hexadecimal(np.full(2, 0.1))}))
-    with gzip.open(path / prove.FILE, "wt") as file:
-        file.writelines(json.dumps(line) + "\n" for line in lines)
-    return prove.main([str(path)])
+    headings = {"centre": [ZERO] * 2, "bound": [(0.1).hex()] * 2, "sides": []}
+    try:
+        Chain(Log(path)).check([("headings", headings)], [(f"line {k}", line) for k, line in enumerate(lines, 1)])
+    except Broken as error:
+        return str(error)
+    return ""
 
 
 def claim(pair, normal, offset, boxes, rows=()):
@@ -35,7 +37,7 @@ def claim(pair, normal, offset, boxes, rows=()):
     ]
     return {
         "t": ZERO,
-        "version": 1,
+        "version": 2,
         "from": pair[0],
         "robot": pair[1],
         "normal": list(map(float.hex, normal)),
@@ -47,45 +49,98 @@ def claim(pair, normal, offset, boxes, rows=()):
     }
 
 
-def test_what_the_boxes_say_of_a_pair_is_proved_and_no_more(tmp_path, capsys):
+def test_what_the_boxes_say_of_a_pair_is_proved_and_no_more(tmp_path):
     of_two = {"0": LEFT, "1": RIGHT}
     honest = claim((0, 1), (1.0, 0.0), 6.0, of_two)
     through = claim((0, 1), (1.0, 0.0), 6.0, of_two, [(0, 1, (1.0, 0.0), 6.0)])
-    assert outcome(tmp_path, honest, through) == 0
-    assert outcome(tmp_path, claim((0, 1), (1.0, 0.0), 5.9, of_two)) == 1
-    assert outcome(tmp_path, honest, claim((0, 1), (1.0, 0.0), 5.9, of_two, [(0, 1, (1.0, 0.0), 5.9)])) == 1
-    assert "follows from nothing known" in capsys.readouterr().out
+    assert outcome(tmp_path, honest, through) == ""
+    assert "an offset that is greater by 0.1 m" in outcome(tmp_path, claim((0, 1), (1.0, 0.0), 5.9, of_two))
+    forged = claim((0, 1), (1.0, 0.0), 5.9, of_two, [(0, 1, (1.0, 0.0), 5.9)])
+    assert "follows from nothing known" in outcome(tmp_path, honest, forged)
 
 
 @pytest.mark.parametrize("beyond", [-2, -1])
-def test_no_robot_comes_before_the_first(beyond, tmp_path, capsys):
+def test_no_robot_comes_before_the_first(beyond, tmp_path):
     """Counted from behind, robot -2 of two is robot 0: with its box a row that says x_1 - x_0 <= 6 would say x_1 <= 6."""
     boxes = {"1": RIGHT, str(beyond): LEFT}
     about = claim((beyond, 1), (0.0, 1.0), 8.0, boxes)
     forged = claim((-1, 1), (1.0, 0.0), 6.0, {"1": RIGHT}, [(beyond, 1, (1.0, 0.0), 6.0)])
-    assert outcome(tmp_path, about, forged) == 1
-    assert "not proved" in capsys.readouterr().out
-    assert outcome(tmp_path, claim((-1, 1), (0.0, 1.0), 8.0, {"1": RIGHT}), forged) == 1
+    assert "line 1" in outcome(tmp_path, about, forged)
+    assert "line 2" in outcome(tmp_path, claim((-1, 1), (0.0, 1.0), 8.0, {"1": RIGHT}), forged)
 
 
-def test_a_box_is_checked_though_it_is_written_like_another(tmp_path, capsys):
+def test_a_box_is_checked_though_it_is_written_like_another(tmp_path):
     """The digits 4 and 4 for a lower corner, 9 and 9 for an upper one, or 4 and 4, 6 and 6: one text, cut in two places."""
     honest = claim((-1, 1), (1.0, 0.0), 9.0, {"1": ("44 66", "99")})
     forged = claim((-1, 1), (1.0, 0.0), 6.0, {"1": ("44", "66 99")})
-    assert outcome(tmp_path, honest) == 0
-    assert outcome(tmp_path, honest, forged) == 1
-    assert "box lies" in capsys.readouterr().out
+    assert outcome(tmp_path, honest) == ""
+    assert "box lies" in outcome(tmp_path, honest, forged)
 
 
-@pytest.mark.parametrize("wrong", [{}, [1], "x", 3, None, {"t": ZERO, "robot": 0}])
-def test_a_line_of_another_form_is_no_proof(wrong, tmp_path, capsys):
+@pytest.mark.parametrize(
+    "change", [{"t": "noon"}, {"t": (0.1).hex()}, {"t": None}, {"robot": True}, {"from": -1.0}, {"rows": None}]
+)
+def test_a_line_of_another_form_is_no_proof(change, tmp_path):
     line = claim((-1, 0), (1.0, 0.0), 2.0, {"0": LEFT})
-    assert outcome(tmp_path, line, line) == 0
-    for lines in (
-        [wrong],
-        [line, wrong],
-        [line, {**line, "t": "noon"}],
-        [line, {key: line[key] for key in line if key != "t"}],
-    ):
-        assert outcome(tmp_path, *lines) == 1
-        assert f"not proved: line {len(lines)} (" in capsys.readouterr().out
+    assert outcome(tmp_path, line, line) == ""
+    assert "line 2 (" in outcome(tmp_path, line, {**line, **change})
+
+
+def test_a_side_says_no_more_than_its_line(tmp_path):
+    """Robot 1 is to the right of robot 0: half a circle of directions; that it is above, too, is not so."""
+    of_two = {"0": LEFT, "1": RIGHT}
+    right = {**claim((0, 1), (-1.0, 0.0), 0.0, of_two), "side": 0}
+    assert outcome(tmp_path, right) == ""
+    beyond = {**claim((0, 1), (1.0, 0.0), 6.0, of_two), "side": 0}
+    assert "a side that the target may be 6 m beyond" in outcome(tmp_path, beyond)
+    for about in (1, 2, -1, None, True):
+        assert "line 1" in outcome(tmp_path, {**right, "side": about})
+    landmark = {**claim((-1, 1), (1.0, 0.0), 7.0, {"1": RIGHT}), "side": 2}
+    assert "line 1" in outcome(tmp_path, landmark)  # there is none
+    assert "line 1" in outcome(tmp_path, {**claim((0, 1), (0.0, 0.0), 0.0, of_two), "side": 0})  # a side of no direction
+
+
+SQUARE = {(Fraction(x), Fraction(y)): Fraction(1) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))}  # 2 m wide
+CORNERS = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+
+
+def region(corners=CORNERS, area=4.0, estimate=(0.0, 0.0)):
+    """Return a region as it is shown."""
+    vertices = [list(map(float.hex, corner)) for corner in corners]
+    return {"vertices": vertices, "area": area.hex(), "estimate": list(map(float.hex, estimate))}
+
+
+def test_a_region_is_shown_as_it_is_proved():
+    shown = checked_region(region(), SQUARE)
+    assert (shown.vertices, shown.area, shown.estimate) == (CORNERS, 4.0, (0, 0))
+    twice = [corner for corner in CORNERS for _ in range(2)]
+    assert checked_region(region(twice), SQUARE).area == 4.0
+
+
+NOT_SHOWN = {
+    "open": (region(), dict(list(SQUARE.items())[:3]), "no closed polygon"),
+    "nothing proved": (region(), {}, "no closed polygon"),
+    "smaller": (region([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0 - 1e-8), (-1.0, 1.0)]), SQUARE, "smaller"),
+    "a triangle": (region(CORNERS[:3], 2.0), SQUARE, "smaller"),
+    "a point": (region([(0.0, 0.0)], 0.0), SQUARE, "smaller"),
+    "larger": (region([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0 + 1e-8), (-1.0, 1.0)]), SQUARE, "larger"),
+    "the other way round": (region(CORNERS[::-1]), SQUARE, "an area of 4 m2 is shown of a polygon of -4 m2"),
+    "another area": (region(area=4.0 + 1e-7), SQUARE, "an area of 4 m2 is shown"),
+    "an estimate outside": (region(estimate=(1.0 + 1e-8, 0.0)), SQUARE, "the estimate is outside"),
+}
+
+
+@pytest.mark.parametrize("name", NOT_SHOWN)
+def test_a_region_is_shown_no_other_way(name):
+    record, edges, why = NOT_SHOWN[name]
+    with pytest.raises(Broken, match=why):
+        checked_region(record, edges)
+
+
+def test_a_region_may_be_a_point_or_a_line():
+    corner = SQUARE | {(Fraction(-1), Fraction(-1)): Fraction(-2)}  # the square's upper right corner alone
+    assert checked_region(region([(1.0, 1.0)] * 3, 0.0, (1.0, 1.0)), corner).area == 0.0
+    diagonal = SQUARE | {(Fraction(1), Fraction(-1)): Fraction(0), (Fraction(-1), Fraction(1)): Fraction(0)}
+    assert checked_region(region([CORNERS[0], CORNERS[2]], 0.0), diagonal).area == 0.0
+    with pytest.raises(Broken, match="smaller"):
+        checked_region(region([(1.0, 1.0)] * 3, 0.0, (1.0, 1.0)), diagonal)

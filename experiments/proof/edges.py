@@ -1,0 +1,66 @@
+"""Edges that were proved of a robot or a pair, and what two of them say together. Exact arithmetic, standard library only."""
+
+from fractions import Fraction
+from typing import Any
+
+from experiments.proof.exact import Vector
+from experiments.proof.reading import exact
+
+SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
+WORLD = -1
+TRIED = 9  # pairs of edges: where some are almost parallel, floats err
+ALMOST = 1e-9  # a normal that is parallel to an edge, but for so much, may be to either side of it
+Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j) or pair i, j: offsets by normals
+
+
+def plane(normal: Any) -> Vector:
+    """Return a normal, of two numbers or two C99 hexadecimal strings, as exact numbers."""
+    x, y = (exact(value) if isinstance(value, str) else Fraction(value) for value in normal)
+    return x, y
+
+
+def all_edges(proved: Edges, pair: tuple[int, int]) -> dict[Vector, Fraction]:
+    """Return what was proved of a robot, or of a pair with what the two boxes say of it."""
+    edges, (i, j) = dict(proved.get(pair, {})), pair
+    for _, _, direction in SIDES if i != WORLD else ():
+        normal, back = plane(direction), plane((-direction[0], -direction[1]))
+        if normal in proved.get((WORLD, j), {}) and back in proved.get((WORLD, i), {}):
+            side = proved[WORLD, j][normal] + proved[WORLD, i][back]
+            edges[normal] = min(side, edges.get(normal, side))
+    return edges
+
+
+def through_corner(edges: dict[Vector, Fraction], normal: Vector, enough: Fraction | None = None) -> Fraction | None:
+    """Return nearly the least offset in a direction that two edges prove, one to either side of it; None if no two do.
+
+    Those that seem best to floats are tried, until one proves enough, or some have been.
+    """
+    x, y = float(normal[0]), float(normal[1])
+    doubt, pairs = ALMOST * (abs(x) + abs(y)), []
+    floats = [(edge, float(edge[0]), float(edge[1]), float(offset)) for edge, offset in edges.items()]
+    for a, ax, ay, of_a in floats:
+        by_b = ax * y - ay * x
+        for b, bx, by, of_b in floats if by_b >= -doubt else ():
+            turned, by_a = ax * by - ay * bx, x * by - y * bx
+            if turned > 0 and by_a >= -doubt:
+                pairs.append(((by_a * of_a + by_b * of_b) / turned, a, b))
+    found = []
+    for _, a, b in sorted(pairs, key=lambda pair: pair[0]):
+        bound = of_two(edges, a, b, normal)
+        if bound is not None:
+            found.append(bound)
+            if len(found) == TRIED or (enough is not None and bound <= enough):
+                break
+    return min(found, default=edges.get(normal))
+
+
+def of_two(edges: dict[Vector, Fraction], a: Vector, b: Vector, normal: Vector) -> Fraction | None:
+    """Return the offset that two edges prove in a direction between them, or None if it is not between them."""
+    turned = across(a, b)
+    weights = (across(normal, b), across(a, normal)) if turned > 0 else (Fraction(-1),) * 2
+    return (weights[0] * edges[a] + weights[1] * edges[b]) / turned if min(weights) >= 0 else None
+
+
+def across(a: Vector, b: Vector) -> Fraction:
+    """Return the cross product of two vectors."""
+    return a[0] * b[1] - a[1] * b[0]

@@ -1,0 +1,47 @@
+"""One line of certificates, proved in itself. Exact arithmetic, standard library only.
+
+It claims: for every x with lower <= x <= upper that satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot
+alone where `from` is -1. With its multipliers y >= 0 of the rows A x <= b, and c the normal in the robots' coordinates,
+c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; it is proved if that is no greater than its offset.
+"""
+
+from fractions import Fraction
+
+from experiments.proof.edges import WORLD
+from experiments.proof.reading import Broken, Record, exact
+
+
+def check(line: Record) -> None:
+    """Raise `Broken` unless the line proves its claim."""
+    excess = greatest(line) - exact(line["offset"])
+    if excess > 0:
+        raise Broken(f"its rows prove an offset that is greater by {float(excess):.3g} m")
+
+
+def greatest(line: Record) -> Fraction:
+    """Return what the line's multipliers prove to be above normal . (x_robot - x_from).
+
+    Raises:
+        Broken: A multiplier is negative, the box is empty, or a pair is none.
+    """
+    for i, j in ((line["from"], line["robot"]), *((row["i"], row["j"]) for row in line["rows"])):
+        if not (type(i) is type(j) is int and WORLD <= i < j):
+            raise Broken(f"a pair {i}, {j} that is none, or in the wrong order")
+    rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
+    if line["from"] != WORLD:
+        rest |= {(line["from"], k): -exact(value) for k, value in enumerate(line["normal"])}
+    total = Fraction(0)
+    for row in line["rows"]:
+        multiplier = exact(row["multiplier"])
+        if multiplier < 0:
+            raise Broken("a negative multiplier")
+        total += multiplier * exact(row["offset"])
+        for body, sign in ((row["j"], 1), (row["i"], -1)):
+            for k, value in enumerate(row["normal"]) if body >= 0 else ():
+                rest[body, k] = rest.get((body, k), Fraction(0)) - sign * multiplier * exact(value)
+    for (body, k), value in rest.items():
+        lower, upper = exact(line["lower"][str(body)][k]), exact(line["upper"][str(body)][k])
+        if lower > upper:
+            raise Broken("a box without a point")
+        total += value * (upper if value > 0 else lower)
+    return total

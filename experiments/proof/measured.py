@@ -1,0 +1,83 @@
+"""Rows that follow from one measurement in the log. Exact arithmetic, standard library only."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from experiments.proof.exact import Arc, Vector, in_common, length
+from experiments.proof.log import Frame, Log, Reading
+from experiments.proof.reading import Record
+from experiments.proof.sides import Sides
+
+BEARING, FAR = "rows of bearings, from the log", "rows of ranges, far side, from the log"
+NEAR = "rows of ranges, near side, from the log"
+NEAR_OF_SIDES = "rows of ranges, near side, over a narrower arc that is proved"
+
+
+@dataclass
+class Instant:
+    """What is known of directions at one frame.
+
+    Attributes:
+        log: What was given to the filter.
+        frame: The frame.
+        headings: The robots' headings, as far as they are proved.
+        sides: Where targets are, likewise.
+    """
+
+    log: Log
+    frame: Frame
+    headings: Sequence[Arc]
+    sides: Sides
+
+
+def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal: Vector, offset: Fraction) -> str | None:
+    """Return why a row holds at the time of its measurement, or None if it does not.
+
+    Args:
+        then: What was measured and known.
+        pair: The robots that it is about.
+        source: Who measured what.
+        normal: The row's.
+        offset: The row's, before anybody moved.
+    """
+    robot, target, (x, y), robots = source["robot"], source["target"], normal, then.log.robots
+    if pair[0] < 0 and target is not None and target >= robots and robot == pair[1]:
+        mark = then.log.landmarks[target - robots]
+        x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])  # of the landmark, seen from the robot
+    elif (target, robot) == pair:
+        x, y = -x, -y
+    elif (robot, target) != pair:
+        return None
+    for reading in then.frame.of(source["kind"], robot, target):
+        if source["kind"] == "bearing":
+            arc = then.headings[robot].widened(reading["bearing"], reading["bound"])
+            if arc.narrow and arc.most((x, y)) <= 0 <= offset:
+                return BEARING
+        elif link := _of_range(then, (robot, target), reading, (x, y), offset):
+            return link
+    return None
+
+
+def _of_range(then: Instant, who: tuple[int, int], reading: Reading, normal: Vector, offset: Fraction) -> str | None:
+    value, bound, share = reading["range"], reading["bound"], reading["relative_bound"]
+    if offset >= (value + bound) / (1 - share) * length(normal):
+        return FAR
+    least = max(Fraction(0), (value - bound) / (1 + share))
+    sights, proved = _sights(then, *who), then.sides.arc(*who)
+    arcs = [(arc, NEAR) for arc in sights]
+    if proved is not None:
+        arcs.append((in_common(proved, sights), NEAR_OF_SIDES))
+    for arc, link in arcs:
+        if arc.narrow and arc.most(normal) <= 0 and offset >= least * arc.most(normal):
+            return link
+    return None
+
+
+def _sights(then: Instant, robot: int, target: int) -> list[Arc]:
+    """Return where a target is, as seen from a robot, by each bearing of one to the other."""
+    of, headings = then.frame.of, then.headings
+    found = [headings[robot].widened(one["bearing"], one["bound"]) for one in of("bearing", robot, target)]
+    if target < then.log.robots:
+        found += [headings[target].widened(one["bearing"], one["bound"]).opposite for one in of("bearing", target, robot)]
+    return found

@@ -1,0 +1,131 @@
+"""What a run tells of its regions in numbers, the summary and the trajectories, held against the regions themselves.
+
+Standard library only. The regions are those of `experiments.proof.shown`, which are proved.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+from experiments.proof.edges import WORLD, Edges
+from experiments.proof.exact import Arc, unit
+from experiments.proof.log import Frame, Log
+from experiments.proof.reading import Broken, located, number, parsed, shown
+from experiments.proof.shown import Region, dot
+
+OF_NO_REGION = "on trust: numbers of the summary that are of no region"
+SUSPENDED = "on trust: measurements that were rejected; the guarantee is suspended"
+DIGITS = 5.01e-6  # means have six digits
+TURNED = 1e-12  # to which headings are told in trajectories, as halves of angles [rad]
+COLUMNS = 8  # of a trajectory: t x y z qx qy qz qw
+
+
+@dataclass
+class Told:
+    """Collects, a step at a time, what a summary and trajectories have to say.
+
+    Attributes:
+        log: What was given to the filter.
+        poses: For each robot, the time, the estimate and the heading of each frame, as floats and an arc.
+    """
+
+    log: Log
+    poses: list[list[tuple[float, float, float, Arc]]] = field(default_factory=list)
+    _areas: list[float] = field(default_factory=list)
+    _squares: list[Fraction] = field(default_factory=list)
+    _escapes: int = 0
+    _turned: int = 0
+
+    def add(self, frame: Frame, regions: list[Region], edges: Edges, headings: Sequence[Arc]) -> None:
+        """Take in one step's regions, what is proved of each robot, and their headings."""
+        self.poses = self.poses or [[] for _ in regions]
+        for robot, (region, heading) in enumerate(zip(regions, headings, strict=True)):
+            x, y = map(float, region.estimate)
+            self.poses[robot].append((frame.time, x, y, heading))
+            self._areas.append(region.area)
+            if frame.truth is not None:
+                place, looks = frame.truth[0][robot], frame.truth[1][robot]
+                off = (region.estimate[0] - place[0], region.estimate[1] - place[1])
+                self._squares.append(dot(off, off))
+                self._escapes += any(dot(normal, place) > offset for normal, offset in edges[WORLD, robot].items())
+                self._turned += not heading.covers(Arc(looks, looks))
+
+    def numbers(self) -> dict[str, Any]:
+        """Return what a summary has to say."""
+        frames, rate, checks = len(self.log.frames), self.log.rate, len(self._squares)
+        return {
+            "robots": self.log.robots,
+            "duration_s": frames / rate if rate else None,
+            "rate_hz": rate,
+            "checks": checks,
+            "escapes": self._escapes,
+            "heading_checks": checks,
+            "heading_escapes": self._turned,
+            "measurements": sum(frame.measurements for frame in self.log.frames),
+            "outer_area_mean_m2": float(sum(map(Fraction, self._areas), Fraction(0)) / len(self._areas)),
+            "outer_area_p95_m2": _quantile(self._areas, 0.95),
+            "point_rmse_m": sqrt(sum(self._squares, Fraction(0)) / checks) if checks else None,
+            "inconsistent": None,
+        }
+
+    def check_summary(self, path: Path) -> Counter[str]:
+        """Check a summary; return how many of its numbers are as they have to be, and how many are on trust.
+
+        Raises:
+            Broken: A number is another, or is missing.
+            OSError: There is no such file.
+        """
+        with located(path.name):
+            told, needed = parsed(path.read_bytes()), self.numbers()
+            for name, value in needed.items():
+                if name not in told:
+                    raise Broken(f"there is no {name}")
+                if not _agree(told[name], value):
+                    raise Broken(f"{name} is {shown(told[name])}, where {shown(value)} was expected")
+            outside, in_force = self._escapes + self._turned, told["guarantee_in_force"] is True
+            if not (0 <= told["escapes_in_force"] <= outside and (told["escapes_in_force"] == outside or not in_force)):
+                raise Broken(f"escapes_in_force is {shown(told['escapes_in_force'])}, where {outside} were outside")
+            if in_force and told["rejected"] != 0:
+                raise Broken("the guarantee is said to be in force, though something was rejected")
+            proved = len(needed) + 1
+            aside = {OF_NO_REGION: len(told) - proved, SUSPENDED: 0 if in_force else max(1, told["rejected"])}
+            return Counter({"numbers of the summary": proved, **{name: count for name, count in aside.items() if count}})
+
+    def check_trajectory(self, robot: int, path: Path) -> int:
+        """Check the filter's trajectory of one robot; return how many poses it has.
+
+        Raises:
+            Broken: A pose is another, is missing or is too much.
+            OSError: There is no such file.
+        """
+        with located(path.name):
+            *lines, rest = path.read_bytes().decode().split("\n")
+            if rest or len(lines) != len(self.poses[robot]):
+                raise Broken(f"{len(lines)} whole lines, where the log has {len(self.poses[robot])} frames")
+        for place, (line, pose) in enumerate(zip(lines, self.poses[robot], strict=True), 1):
+            with located(f"{path.name}, line {place}"):
+                time, x, y, _, _, _, sine, cosine = (number(float(word)) for word in line.split())
+                heading = unit((pose[3].low + pose[3].high) / 4)
+                turned = max(abs(float(half[0]) - told) for half, told in zip(heading, (cosine, sine), strict=True))
+                if (time, x, y) != pose[:3] or turned > TURNED:
+                    raise Broken(f"another pose than the region's, at ({pose[1]}, {pose[2]}) at t = {pose[0]} s")
+        return len(lines)
+
+
+def _agree(told: Any, value: Any) -> bool:
+    """Return whether a number of a summary is the right one; means are rounded there."""
+    if isinstance(value, float) and type(told) in (int, float):
+        return abs(told - value) <= DIGITS * abs(value)
+    return type(told) is type(value) and told == value
+
+
+def _quantile(values: list[float], share: float) -> float:
+    """Return a quantile, between two values in proportion."""
+    order, at = sorted(values), share * (len(values) - 1)
+    below = int(at)
+    above = min(below + 1, len(order) - 1)
+    return order[below] + (at - below) * (order[above] - order[below])

@@ -1,0 +1,152 @@
+"""Sines, angles, arcs, supports and displacements of the checker, between exact bounds."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from helpers.worlds import unit
+from hypothesis import given
+from hypothesis import strategies as st
+
+from experiments.logs.certificates import hexadecimal
+from experiments.proof.edges import plane, through_corner
+from experiments.proof.exact import PI, Arc, Motion, angle_of, in_common, length, sector
+from experiments.proof.exact import unit as enclosed
+from filter import AngularIntervals, Odometry, Polygon, Team
+from filter.sensing.motion import displacements
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+@given(seeds, st.sampled_from([0.0, 1e6]))
+def test_a_row_through_a_corner_is_proved_by_the_edges_beside_it_and_no_smaller_one_is(seed, origin):
+    rng = np.random.default_rng(seed)
+    polygon = Polygon.from_vertices(origin + rng.normal(size=(9, 2)))
+    edges = {plane(hexadecimal(n)): Fraction(float(b)) for n, b in zip(polygon.normals, polygon.offsets, strict=True)}
+    normal = unit(rng.uniform(-np.pi, np.pi))
+    found = through_corner(edges, plane(hexadecimal(normal)))
+    assert float(found) == pytest.approx((polygon.vertices @ normal).max(), abs=1e-9 + 1e-8 * origin)
+
+
+def test_no_corner_is_beyond_all_edges():
+    edges = {plane(hexadecimal(unit(np.radians(angle)))): Fraction(1) for angle in (0.0, 60.0)}
+    assert through_corner(edges, plane(hexadecimal(unit(np.radians(200.0))))) is None
+    assert through_corner({}, plane(hexadecimal(unit(1.0)))) is None
+
+
+@given(st.floats(-50, 50))
+def test_sines_and_cosines_are_enclosed(angle):
+    (low, high), (least, greatest) = enclosed(Fraction(angle))
+    assert high - low == greatest - least == Fraction(3, 2**110)
+    assert abs(float(low) - np.cos(angle)) < 1e-15
+    assert abs(float(least) - np.sin(angle)) < 1e-15
+    squares = [(min(a * a, b * b), max(a * a, b * b)) for a, b in ((low, high), (least, greatest))]
+    assert squares[0][0] + squares[1][0] <= 1 <= squares[0][1] + squares[1][1]
+
+
+def test_the_angles_of_a_triangle_are_known():
+    sixty, thirty = enclosed(PI / 3), enclosed(PI / 6)
+    assert sixty[0][0] < Fraction(1, 2) < sixty[0][1]
+    assert thirty[1][0] < Fraction(1, 2) < thirty[1][1]
+    assert length((Fraction(3), Fraction(4))) - 5 < Fraction(1, 2**100)
+
+
+@given(seeds)
+def test_a_displacement_is_within_its_support_and_the_filter_claims_no_less(seed):
+    rng = np.random.default_rng(seed)
+    heading, bound, turn, turned, skew = rng.uniform(-np.pi, np.pi), rng.uniform(0, 0.4), *rng.uniform(0, 0.3, 3)
+    way, error, slip = rng.uniform(-1, 1), rng.uniform(0, 0.5), rng.uniform(0, 0.1)
+    arc = Arc(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
+    arc = arc.widened(Fraction(turn) / 2, Fraction(turned) / 2 + Fraction(skew))
+    bend = (Fraction(turn) + Fraction(turned)) / 2 + Fraction(skew)
+    motion = Motion(arc, Fraction(way) - Fraction(error), Fraction(way) + Fraction(error), bend, Fraction(slip))
+    odometry = Odometry(0.0, 1.0, 0, way, error, turn, turned, skew, slip)
+    moves = displacements(odometry, AngularIntervals([heading], [bound]), Team(1), 1.0)
+    for angle in rng.uniform(-np.pi, np.pi, 4):
+        normal = unit(angle)
+        x, y = (Fraction(float(value)) for value in normal)
+        support = motion.support((x, y))
+        assert support <= Fraction(float(moves.support(np.array([0]), normal[None])[0]))
+        for _ in range(8):
+            far = Fraction(float(rng.uniform(way - error, way + error)))
+            u = enclosed(arc.low + (arc.high - arc.low) * Fraction(float(rng.uniform())))
+            along = far * (x * u[0][0] + y * u[1][0]) + Fraction(slip) * length((x, y))
+            assert along - Fraction(1, 10**12) <= support
+
+
+def test_a_sector_reaches_as_far_as_its_corners_and_its_rim():
+    arc = Arc(Fraction(-1, 2), Fraction(1, 2))
+    assert sector((Fraction(1), Fraction(0)), arc, Fraction(1), Fraction(2)) == pytest.approx(2, abs=1e-12)
+    assert sector((Fraction(-1), Fraction(0)), arc, Fraction(1), Fraction(2)) == pytest.approx(-np.cos(0.5), abs=1e-12)
+    assert sector((Fraction(0), Fraction(1)), arc, Fraction(1), Fraction(2)) == pytest.approx(2 * np.sin(0.5), abs=1e-12)
+
+
+@given(seeds)
+def test_the_angle_of_a_vector_is_enclosed_finely(seed):
+    rng = np.random.default_rng(seed)
+    vector = 10.0 ** rng.uniform(-9, 9) * rng.normal(size=2) * rng.choice([0.0, 1.0], 2, p=[0.2, 0.8]) + 0.0
+    if not vector.any():
+        return
+    low, high = angle_of(plane(hexadecimal(vector)))
+    assert 0 < high - low < Fraction(1, 2**80)
+    assert abs(float(low) - np.arctan2(vector[1], vector[0])) < 1e-15
+    x, y = plane(hexadecimal(vector))
+    for end, turned in ((low, 1), (high, -1)):
+        (cosine, _), (sine, _) = enclosed(end)
+        assert turned * (cosine * y - sine * x) > 0
+
+
+def test_nothing_has_no_angle():
+    with pytest.raises((ValueError, ZeroDivisionError)):
+        angle_of((Fraction(0), Fraction(0)))
+
+
+def arcs_around(rng, angle, count):
+    """Return arcs that contain an angle, each some turns away, some of them wide, and one that is anything else."""
+    bounds = rng.choice([0.01, 0.5, 2.0, 3.1], count) * rng.uniform(0.1, 1, count)
+    centres = angle + rng.uniform(-1, 1, count) * bounds + 2 * np.pi * rng.integers(-3, 4, count)
+    return [Arc(Fraction(c) - Fraction(b), Fraction(c) + Fraction(b)) for c, b in zip(centres, bounds, strict=True)]
+
+
+@given(seeds)
+def test_what_arcs_have_in_common_contains_all_that_they_do(seed):
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(-np.pi, np.pi)
+    arcs = arcs_around(rng, angle, int(rng.integers(1, 6)))
+    found, here = in_common(arcs[0], arcs[1:]), Fraction(angle)
+    assert found.covers(Arc(here, here))
+    assert found.high - found.low <= min(arc.high - arc.low for arc in arcs)
+    for other in np.linspace(-np.pi, np.pi, 50):
+        point = Arc(Fraction(other), Fraction(other))
+        assert found.covers(point) or not all(arc.covers(point) for arc in arcs)
+
+
+def test_two_arcs_that_meet_behind_are_not_taken_for_what_is_in_front():
+    """Lifted to one turn, they would seem to have nothing in common, and then everything would follow."""
+    behind = [Arc(PI * Fraction(5, 10), PI * Fraction(13, 10)), Arc(-PI * Fraction(13, 10), -PI * Fraction(5, 10))]
+    found = in_common(behind[0], behind[1:])
+    assert found.covers(Arc(PI, PI))
+    assert not found.covers(Arc(Fraction(0), Fraction(0)))
+    assert not Arc(Fraction(-1, 10), Fraction(1, 10)).covers(found)
+
+
+def test_an_arc_covers_the_same_some_turns_away_and_no_wider_one():
+    arc = Arc(Fraction(3), Fraction(4))
+    for turns in (-2, 0, 1):
+        assert Arc(Fraction(29, 10), Fraction(41, 10)).covers(arc.turned(turns))
+        assert not arc.turned(turns).covers(Arc(Fraction(3), Fraction(401, 100)))
+    assert not Arc(Fraction(4), Fraction(3)).covers(arc)
+    assert Arc(Fraction(-4), Fraction(4)).covers(arc)
+
+
+@given(seeds, st.sampled_from([0.0, 1e6]))
+def test_a_row_through_a_corner_is_that_of_the_polygon_whatever_else_is_known(seed, origin):
+    rng = np.random.default_rng(seed)
+    polygon = Polygon.from_vertices(origin + rng.normal(size=(6, 2)))
+    edges = {plane(hexadecimal(n)): Fraction(float(b)) for n, b in zip(polygon.normals, polygon.offsets, strict=True)}
+    others = [unit(angle) for angle in rng.uniform(-np.pi, np.pi, 20)]  # that cut nothing
+    known = edges | {plane(hexadecimal(n)): Fraction(float(polygon.support(n[None])[0])) + 1 for n in others}
+    normal = unit(rng.uniform(-np.pi, np.pi)) if rng.uniform() < 0.7 else polygon.normals[0] * (1 + 1e-16) * 3.7
+    found = through_corner(known, plane(hexadecimal(normal)))
+    assert float(found) == pytest.approx((polygon.vertices @ normal).max(), abs=1e-9 + 1e-8 * origin)
+    assert through_corner({}, plane(hexadecimal(normal))) is None

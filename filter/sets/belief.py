@@ -13,6 +13,7 @@ from filter.guarantee import Guarantee
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
+from filter.measurements import Odometry
 from filter.projection.claims import Outlines, Weights
 from filter.projection.fallback import Fallback
 from filter.sets.regions import Regions
@@ -77,6 +78,19 @@ class Proof(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
+class Moved:
+    """What a prediction was made from, so that the next update can say whether the motion is at fault.
+
+    Attributes:
+        before: The belief before; what that was made from is left out, or all would be kept for ever.
+        odometry: How the robots moved since, or None where nothing was measured of that.
+    """
+
+    before: Belief
+    odometry: Odometry | None
+
+
+@dataclass(frozen=True, eq=False)
 class Belief:
     """What the filter knows at one time.
 
@@ -90,6 +104,7 @@ class Belief:
         events: What the last update dropped, and where its walks and solvers failed.
         proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
             were projected, as of the last update; none after a prediction.
+        moved: What a prediction was made from; None at the start and after an update.
     """
 
     time: float
@@ -100,6 +115,7 @@ class Belief:
     found: Regions | None = None
     events: tuple[Event, ...] = ()
     proofs: tuple[Proof, ...] = ()
+    moved: Moved | None = None
 
     @cached_property
     def regions(self) -> Regions:

@@ -9,7 +9,7 @@ from filter.measurements import Measurement
 from filter.sets.belief import Belief, Rejected
 from filter.sets.conflict import Conflict, Premises, Reading, conflict_of, single, without
 
-TRIES = 64  # so many sets of measurements are tried before the search for the fewest is given up
+CONFLICTS, SETS = 64, 4096  # after so many conflicts, or sets of measurements to drop, the search for the fewest is given up
 NOTHING_TO_DROP = "no measurement of this update is in the conflict, to be dropped"
 
 Merge = Callable[[tuple[Measurement, ...]], Belief]
@@ -54,7 +54,7 @@ def agreeing(merge: Merge, measurements: tuple[Measurement, ...], cases: Sequenc
 
     waiting: deque[Dropped] = deque([{}])
     seen: set[frozenset[Reading]] = set()
-    for _ in range(TRIES):
+    while len(conflicts) < CONFLICTS and len(seen) < SETS:
         dropped = waiting.popleft()
         found = tried(dropped)
         if isinstance(found, Belief):

@@ -1,8 +1,11 @@
-"""Worlds in which one thing is false, and whether what a filter names is a conflict: built anew, by other means than its own."""
+"""Worlds in which one thing is false, and whether what a filter names is a conflict: built anew, by other means than its."""
 
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
 import numpy as np
+from helpers.programs import with_records
+from helpers.worlds import claims_of, exact_claim, unit
 
 from filter import (
     AngularIntervals,
@@ -15,9 +18,12 @@ from filter import (
     Range,
     SetMembershipFilter,
     Source,
+    Stop,
     Team,
+    Window,
 )
 from filter.linear.constraints import WORLD
+from filter.projection.team import Projector
 
 DEGREE = np.pi / 180
 LANDMARKS = np.array([[4.0, 0.0], [0.0, 4.0], [-4.0, -1.0]])
@@ -61,7 +67,7 @@ class Faulty:
     def start(self, faulty: bool) -> Belief:
         wrong = faulty and self.fault == "initial set"
         if faulty and self.fault == "arena":
-            self.positions[self.bad, 0] = 6.1 + 0.5 * self.strength
+            self.positions[self.bad, 0] = 6.4 + 0.5 * self.strength
         sets = [Polygon.box(x - self.rng.uniform(0.2, 0.8, 2), x + self.rng.uniform(0.2, 0.8, 2)) for x in self.positions]
         if faulty and self.fault == "arena":
             sets[self.bad] = Polygon.box(self.positions[self.bad] - 1, self.positions[self.bad] + 0.5)
@@ -84,7 +90,7 @@ class Faulty:
         if faulty and self.fault == "speed limit":
             jump[self.bad] = (0.6 + 1.4 * self.strength) * unit(self.rng.uniform(-3, 3))
         if self.fault == "arena":
-            jump[self.bad, 0] = (6.1 + 0.5 * self.strength if faulty else 5.9) - self.positions[self.bad, 0]
+            jump[self.bad, 0] = (6.4 + 0.5 * self.strength if faulty else 5.9) - self.positions[self.bad, 0]
             distance[self.bad] = turn[self.bad] = 0.0
         chord, way = distance * np.sinc(turn / 2 / np.pi), self.headings + turn / 2
         self.positions = self.positions + chord[:, None] * unit(way) + jump
@@ -147,15 +153,33 @@ class Case:
 
         The filter is asked through its own door, in an open arena: who is in the arena is put in a smaller box.
         """
-        held = {(each.kind, each.robot, each.target) for each in sources}
-        of = lambda kind: np.array([(kind, robot, None) in held for robot in range(self.world.robots)])  # noqa: E731
-        filter_ = replace(self.world.filter, policy="raise", team=replace(self.world.team, arena=[[-np.inf] * 2, [np.inf] * 2]))
         try:
-            belief = self._moved(filter_, self._placed(filter_, held, of), of)
-            filter_.update(_within(belief, of("arena")), [record for record in self.records if _key(record) in held])
+            self.filter.update(*self._alone(sources))
         except Inconsistent:
             return True
         return False
+
+    def exact_gap(self, sources: tuple[Source, ...]) -> Fraction | None:
+        """Return what a certificate of that proves, below 0 if it is one, without any rounding; None where arcs or boxes do."""
+        try:
+            polytope = with_records(self.filter, *self._alone(sources))
+        except Inconsistent:
+            return None
+        weights = Projector(Window.everybody(), Stop(), True, ("piqp", "highs")).robots(polytope).contradiction
+        nothing = np.zeros((1, 2)), np.zeros(1)
+        rows = np.arange(len(weights))[None]
+        return exact_claim(claims_of(polytope, (np.array([WORLD]), np.array([0])), nothing, (rows, weights[None])), 0)
+
+    @property
+    def filter(self) -> SetMembershipFilter:
+        """The filter in an open arena."""
+        return replace(self.world.filter, policy="raise", team=replace(self.world.team, arena=[[-np.inf] * 2, [np.inf] * 2]))
+
+    def _alone(self, sources: tuple[Source, ...]) -> tuple[Belief, list[Compass | Bearing | Range]]:
+        held = {(each.kind, each.robot, each.target) for each in sources}
+        of = lambda kind: np.array([(kind, robot, None) in held for robot in range(self.world.robots)])  # noqa: E731
+        belief = self._moved(self.filter, self._placed(self.filter, held, of), of)
+        return _within(belief, of("arena")), [record for record in self.records if key_of(record) in held]
 
     def _placed(self, filter_, held, of) -> Belief:
         stays = np.full(self.world.robots, self.motion is None)
@@ -178,7 +202,9 @@ class Case:
         time, odometry = self.motion
         if odometry is not None:
             told = np.array([of("odometry")[robot] for robot in odometry.robot.tolist()])
-            columns = {name: getattr(odometry, name)[told] for name in odometry.__dataclass_fields__ if name not in ("start", "time")}
+            columns = {
+                name: getattr(odometry, name)[told] for name in odometry.__dataclass_fields__ if name not in ("start", "time")
+            }
             odometry = replace(odometry, **columns)
         return filter_.predict(belief, time, odometry)
 
@@ -193,7 +219,7 @@ def _within(belief, inside):
     return replace(belief, polytope=replace(polytope, lower=lower, upper=upper))
 
 
-def _key(record):
+def key_of(record):
     target = None if isinstance(record, Compass) else int(record.target[0])
     return type(record).__name__.lower(), int(record.robot[0]), target
 
@@ -220,7 +246,3 @@ def attempted(world: Faulty, before: Belief, motion: tuple[float, Odometry | Non
     except Inconsistent as error:
         return Case(world, before, motion, records, error.sources)
     return None
-
-
-def unit(angle):
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)

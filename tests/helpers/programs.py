@@ -50,10 +50,15 @@ def merged_team(seed, robots=5, errors="uniform", steps=2):
     for motion, records in world.steps(steps):
         predicted = estimator.predict(belief, motion.time, motion)
         belief = estimator.update(predicted, records)
-    _, numbered = numbered_of(predicted.sources, records)
-    headings = narrowed_headings(predicted.headings, predicted.polytope, records, world.team.landmarks)
-    known = merged(predicted.polytope, headings, numbered, world.team.landmarks, estimator.tangent_spacing)
+    known = with_records(estimator, predicted, records)
     return known.with_constraints(prune(known, estimator.rows_per_robot, estimator.rows_per_pair))
+
+
+def with_records(estimator, belief, records):
+    """Return the polytope of a belief with the rows of records, as a filter makes them."""
+    _, numbered = numbered_of(belief.sources, records)
+    headings = narrowed_headings(belief.headings, belief.polytope, records, estimator.team.landmarks)
+    return merged(belief.polytope, headings, numbered, estimator.team.landmarks, estimator.tangent_spacing)
 
 
 def on_robot(robot, normal, offset, source):

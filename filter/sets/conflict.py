@@ -140,29 +140,36 @@ class Premises:
         of = {kind: np.zeros(self.team.robots, dtype=bool) for kind in KINDS}
         for part in held:
             of[part.source.kind][part.source.robot] = True
-        touched = np.zeros(self.team.robots, dtype=bool)  # the others stay where they are: without rows they matter to nobody
-        touched[list(self.robots_of(part.source for part in held if part.source.kind != "arena"))] = True
         rests = self.motion is None  # a robot of whose motion nothing is held has gone, and turned, anywhere
         moved, turned = (of["odometry"] | of[limit] | rests for limit in ("speed limit", "turn limit"))
-        placed, pairs = (of["initial set"] | of["region"]) & moved, [part.source for part in held if part.source.kind == "pair"]
-        anywhere, arena = self._anywhere[:, None], np.where(np.isfinite(self.team.arena), self.team.arena, self._anywhere)
-        limits = np.where((of["arena"] & touched)[:, None], arena[:, None], anywhere)
-        box = np.stack([self.before.polytope.lower, self.before.polytope.upper])
-        # A side that a set has in common with the arena is the arena's.
-        own = placed[:, None] & (of["arena"][:, None] | (box != self.team.arena[:, None])) | ~touched[:, None]
-        corners = np.where(own, box, np.where(moved[:, None], limits, anywhere))
-        rows = self.before.constraints.select(self._rows(placed, moved, pairs))
-        headings = self.before.headings
+        placed = (of["initial set"] | of["region"]) & moved
+        touched = np.zeros(self.team.robots, dtype=bool)  # the others stay where they are: without rows they matter to nobody
+        touched[list(self.robots_of(part.source for part in held if part.source.kind != "arena"))] = True
+        lower, upper, limits = self._boxes(placed, moved, touched, of["arena"])
+        rows = self.before.constraints.select(self._rows(placed, moved, [part.source for part in held]))
+        headings, polytope = self.before.headings, Polytope(rows, lower, upper, self.before.polytope.origin)
         arcs = AngularIntervals(headings.centre, np.where(of["heading"] & turned, headings.bound, np.pi))
-        polytope = Polytope(rows, *corners, self.before.polytope.origin)
         dropped = {part.reading for part in self.parts if part.reading is not None and part not in held}
         return replace(self.before, polytope=polytope, headings=arcs), self.motion, limits, without(self.measurements, dropped)
 
-    def _rows(self, placed: Mask, moved: Mask, pairs: Sequence[Source]) -> Mask:
-        """Return which rows are left, where (n,) robots are placed, (n,) have moved by as much as is known, of some pairs."""
+    def _boxes(self, placed: Mask, moved: Mask, touched: Mask, inside: Mask) -> tuple[Array, Array, Array]:
+        """Return corners (n, 2) and (n, 2) of boxes before the motion, and each robot's own arena (2, n, 2) after it.
+
+        (n,) are which robots are placed, have moved by as much as is known, matter, and are inside the arena.
+        """
+        arena, anywhere = self.team.arena[:, None], self._anywhere[:, None]
+        closed = np.where(np.isfinite(arena), arena, anywhere)
+        limits = np.where((inside & touched)[:, None], closed, anywhere)
+        box = np.stack([self.before.polytope.lower, self.before.polytope.upper])
+        own = placed[:, None] & (inside[:, None] | (box != arena))  # a side that a set has in common with the arena is its
+        lower, upper = np.where(own | ~touched[:, None], box, np.where(moved[:, None], limits, anywhere))
+        return lower, upper, limits
+
+    def _rows(self, placed: Mask, moved: Mask, held: Iterable[Source]) -> Mask:
+        """Return which rows are left, where (n,) robots are placed, and (n,) have moved by as much as is known."""
         rows, robots = self.before.constraints, self.team.robots
-        named = np.array([pair.robot * robots + (pair.target or 0) for pair in pairs], dtype=np.int64)
-        mutual = np.isin(rows.i * robots + rows.j, named) & moved[rows.i] & moved[rows.j]
+        pairs = [source.robot * robots + (source.target or 0) for source in held if source.kind == "pair"]
+        mutual = np.isin(rows.i * robots + rows.j, np.array(pairs, dtype=np.int64)) & moved[rows.i] & moved[rows.j]
         return np.asarray(np.where(rows.i == WORLD, placed[rows.j], mutual))
 
     @cached_property

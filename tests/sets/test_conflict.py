@@ -48,7 +48,7 @@ def drawn(seed, fault, robots, later):
 @pytest.mark.parametrize(("fault", "later"), [*((each, 0) for each in AT_ONCE), *((each, 1) for each in LATER)])
 def test_what_is_named_is_a_conflict_by_itself_that_needs_each_of_them_and_has_the_guilty_one(fault, later, robots):
     found = list(drawn(1, fault, robots, later))
-    assert len(found) > DRAWS[robots] / 4
+    assert len(found) >= DRAWS[robots] / 4
     for case in found:
         assert any(map(case.world.is_guilty, case.named)), case.named
         assert case.excluded(case.named), case.named

@@ -143,8 +143,10 @@ def test_where_only_the_start_and_the_motion_are_in_conflict_nothing_is_dropped(
         filter_.update(broken, [Range(1.0, 0, 1, 1.0, 0.1, 0.0), Compass(1.0, 0, 0.0, 0.1)])
 
 
-def test_where_very_much_is_wrong_none_goes_that_need_not():
+@pytest.mark.parametrize("conflicts", [2, 64])
+def test_where_very_much_is_wrong_none_goes_that_need_not(conflicts, monkeypatch):
     """A robot was carried away: all that is seen of it, and by it, contradicts where it can be."""
+    monkeypatch.setattr("filter.sets.rejection.CONFLICTS", conflicts)
     world, belief = world_and_belief(1)
     world.positions[0] += 3.0
     records = world.measure()

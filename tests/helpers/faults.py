@@ -68,6 +68,7 @@ class Faulty:
         wrong = faulty and self.fault == "initial set"
         if faulty and self.fault == "arena":
             self.positions[self.bad, 0] = 6.4 + 0.5 * self.strength
+        self.then = self.positions.copy(), self.headings.copy()
         sets = [Polygon.box(x - self.rng.uniform(0.2, 0.8, 2), x + self.rng.uniform(0.2, 0.8, 2)) for x in self.positions]
         if faulty and self.fault == "arena":
             sets[self.bad] = Polygon.box(self.positions[self.bad] - 1, self.positions[self.bad] + 0.5)
@@ -82,7 +83,7 @@ class Faulty:
 
     def move(self, faulty: bool) -> Odometry | None:
         """Drive arcs without slip; of the last robot nobody measures how."""
-        n, start = self.robots, self.time
+        n, start, self.then = self.robots, self.time, (self.positions.copy(), self.headings.copy())
         distance, turn = self.rng.uniform(0, SPEED * DURATION, n), self.rng.uniform(-TURN_RATE, TURN_RATE, n) * DURATION
         jump = np.zeros((n, 2))
         if faulty and self.fault == "turn limit":
@@ -175,6 +176,20 @@ class Case:
         """The filter in an open arena."""
         return replace(self.world.filter, policy="raise", team=replace(self.world.team, arena=[[-np.inf] * 2, [np.inf] * 2]))
 
+    def is_false(self, source: Source) -> bool:
+        """Return whether what was known before the motion is false, as something went wrong earlier."""
+        (positions, headings), robot, rows = self.world.then, source.robot, self.before.constraints
+        if source.kind == "heading":
+            return not self.before.headings.contains(headings)[robot]
+        if source.kind not in ("initial set", "region", "pair"):
+            return False
+        mutual = source.kind == "pair"
+        own = rows.rows_of(robot, source.target) if mutual else rows.rows_of(WORLD, robot)
+        place = positions[source.target] - positions[robot] if mutual else positions[robot]
+        lower, upper = self.before.polytope.lower[robot], self.before.polytope.upper[robot]
+        outside = not mutual and bool(((place < lower) | (place > upper)).any())
+        return outside or bool((rows.normal[own] @ place > rows.offset[own]).any())
+
     def _alone(self, sources: tuple[Source, ...]) -> tuple[Belief, list[Compass | Bearing | Range]]:
         held = {(each.kind, each.robot, each.target) for each in sources}
         of = lambda kind: np.array([(kind, robot, None) in held for robot in range(self.world.robots)])  # noqa: E731
@@ -235,6 +250,24 @@ def conflicting(world: Faulty, steps: int) -> Case | None:
         belief = world.filter.update(world.filter.predict(belief, world.time, odometry), world.measure(False))
     odometry = world.move(True)
     return attempted(world, belief, (world.time, odometry))
+
+
+def conflicting_later(world: Faulty, steps: int = 8) -> Case | None:
+    """Let a filter follow a world with few measurements, in which something goes wrong early; return the first conflict."""
+    fault = 0 if world.fault in ("initial set", "heading") else 1
+    belief, about = world.start(faulty=fault == 0), None
+    for step in range(steps):
+        motion = (world.time + DURATION, world.move(step == fault)) if step else None
+        records = world.measure(step == fault)
+        about = about if world.about is None else world.about
+        records = [record for record in records if step == fault or world.rng.random() < 0.2]
+        before = belief
+        try:
+            belief = world.filter.update(world.filter.predict(before, *motion) if motion else before, records)
+        except Inconsistent as error:
+            world.about = about
+            return Case(world, before, motion, records, error.sources)
+    return None
 
 
 def attempted(world: Faulty, before: Belief, motion: tuple[float, Odometry | None] | None) -> Case | None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.cells import nowhere
-from helpers.faults import ARENA, AT_ONCE, DEGREE, LANDMARKS, LATER, Faulty, conflicting, key_of
+from helpers.faults import ARENA, AT_ONCE, DEGREE, LANDMARKS, LATER, Faulty, conflicting, conflicting_later, key_of
 from helpers.teams import snapshot
 from helpers.worlds import World
 
@@ -58,6 +58,20 @@ def test_what_is_named_is_a_conflict_by_itself_that_needs_each_of_them_and_has_t
             fewer = tuple(other for other in case.named if other is not source)
             fewer += arena if source.kind != "arena" else ()  # taken for granted, if it is not what is left out
             assert not case.excluded(fewer), (source, case.named)
+
+
+@pytest.mark.parametrize("fault", ["initial set", "heading", "odometry", "turn limit", "range", "bearing"])
+def test_what_went_wrong_earlier_is_in_something_false_that_is_named(fault):
+    seen = 0
+    for draw in range(10):
+        rng = np.random.default_rng([4, draw])
+        sensors = SENSORS[int(rng.integers(len(SENSORS)))]
+        case = conflicting_later(Faulty(rng, fault, 2, sensors, strength=float(rng.uniform())))
+        if case is not None:
+            seen += 1
+            assert any(case.world.is_guilty(source) or case.is_false(source) for source in case.named), case.named
+            assert case.excluded(case.named)
+    assert seen >= 3
 
 
 @pytest.mark.parametrize("robots", [1, 3])

@@ -74,7 +74,8 @@ class Options:
     """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
     is suspended from then on."""
     certificates: bool = False
-    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
+    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove. The filter then goes without cells and
+    further passes, of which nothing can be proved again yet: the first steps from a wide start know less."""
     view: bool = False
     """Show the run in a live viewer while it goes on."""
     camera: bool = False
@@ -108,6 +109,7 @@ def run(options: Options) -> int:
         solvers=SOLVERS if options.solver == EXACT else (options.solver, *SOLVERS),
         scope=Window.everybody() if options.hops is None else Window(options.hops),
         policy=options.policy,
+        cells=0 if options.certificates else SetMembershipFilter.cells,
     )
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)

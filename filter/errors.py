@@ -50,9 +50,10 @@ class Inconsistent(CorralError):
     """Measurements, motion bounds and prior knowledge are proved to exclude one another: some declared bound is broken.
 
     Attributes:
-        sources: What the conflicting constraints were made from, the newest last.
+        what: When that was found, or which robot has left the arena, in words.
+        sources: What is proved to exclude one another, the newest last; without any one of them it is not.
     """
 
     def __init__(self, what: str, sources: Sequence[Any]) -> None:
         super().__init__(f"{what}: no configuration satisfies all of: {'; '.join(map(str, sources))}")
-        self.sources = tuple(sources)
+        self.what, self.sources = what, tuple(sources)

@@ -21,7 +21,7 @@ from types import TracebackType
 from typing import Any
 
 from experiments.logs.sides import Sighted, sides_behind_headings, sides_behind_ranges
-from filter import Array, Belief, Polygon, Proof, Source, Step
+from filter import Array, Belief, InvalidInput, Polygon, Proof, Source, Step
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"
@@ -43,9 +43,16 @@ class Certificates:
         arcs, landmarks = belief.headings, self._landmarks
         columns = {"centre": hexadecimal(arcs.centre), "bound": hexadecimal(arcs.bound)}
         self._write(HEADINGS, [{**time, **columns, "sides": side_records(belief.time, sides_behind_headings(step, landmarks))}])
-        lines = [line for proof in belief.proofs for line in records(belief.time, proof)]
+        lines = [line for proof in self._proofs(belief) for line in records(belief.time, proof)]
         self._write(FILE, [*side_records(belief.time, sides_behind_ranges(step, landmarks)), *lines])
         self._write(REGIONS, [{**time, "regions": [region_record(region.outer) for region in belief.regions]}])
+
+    def _proofs(self, belief: Belief) -> list[Proof]:
+        """Return what can be proved again."""
+        proofs = [proof for proof in belief.proofs if isinstance(proof, Proof)]
+        if len(proofs) < len(belief.proofs):
+            raise InvalidInput("a belief of a filter with cells=0, as certificates know no cells", "one with cells")
+        return proofs
 
     def close(self) -> None:
         """Close the files."""

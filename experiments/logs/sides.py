@@ -14,11 +14,12 @@ import numpy as np
 
 from filter import Array, Bearing, Belief, Integers, Proof, Rejected, Step, wrap
 from filter.geometry.angles import ANGLE_ROUNDING
-from filter.linear.constraints import WORLD
+from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.projection.claims import Weights
 from filter.sensing.headings import heading_arcs_of_bearing
-from filter.sensing.rows import TANGENT_SPACING, WIDENING, merged, numbered_of, spans_of_targets
+from filter.sensing.readings import Readings
+from filter.sensing.rows import WIDENING, bearing_rows, on_robots, spans_of_targets, world_arcs
 
 Sighted = tuple[Proof, Integers]  # claims, and what each is about
 NEAR = 1e-9  # an arc this near to the end of a heading is what has narrowed it there [rad]
@@ -46,7 +47,7 @@ def sides(belief: Belief, landmarks: Array, sights: Iterable[tuple[int, int | No
     offset = np.array([_below(*each) for each in zip(normal.tolist(), places.tolist(), strict=True)])
     weights = _corners(polytope, (i, j), normal)
     about = np.where(fixed, last, first)
-    return Proof(polytope, belief.sources, i, j, normal, np.where(fixed, offset, 0.0), weights), about
+    return Proof("sides", polytope, belief.sources, i, j, normal, np.where(fixed, offset, 0.0), weights), about
 
 
 def _below(normal: Sequence[float], place: Sequence[float]) -> float:
@@ -96,10 +97,19 @@ def sides_behind_headings(step: Step[Belief], landmarks: Array) -> Sighted:
 
 def sides_behind_ranges(step: Step[Belief], landmarks: Array) -> Sighted:
     """Return the sides of targets of ranges that proofs may rest on, as they were known with the bearings merged."""
-    sources, bearings = numbered_of(step.predicted.sources, _bearings(step))
-    polytope = merged(step.predicted.polytope, step.belief.headings, bearings, landmarks, TANGENT_SPACING)
-    known, after = replace(step.predicted, polytope=polytope, sources=sources), step.belief
-    used = [(proof.sources, proof.polytope.constraints.source[proof.weights.row]) for proof in after.proofs]
+    before, after = step.predicted, step.belief
+    readings = Readings.of(before.time, _bearings(step))
+    sources, numbers = readings.numbered(before.sources, len(before.headings))
+    robot, target, arcs = (
+        readings.bearings.robot,
+        readings.bearings.target,
+        world_arcs(readings.bearings, after.headings[readings.bearings.robot]),
+    )
+    fresh = on_robots(bearing_rows(robot, target, arcs, numbers[: len(robot)]), before.polytope, landmarks)
+    rows = Constraints.concatenate([before.constraints, fresh])
+    known = replace(before, polytope=before.polytope.with_constraints(rows), sources=sources)
+    proofs = (*after.proofs_of("regions"), *after.proofs_of("boxes"), *after.proofs_of("pairs"))
+    used = [(proof.sources, proof.polytope.constraints.source[proof.weights.row]) for proof in proofs]
     used.append((after.sources, after.constraints.source))  # later steps may rest on these
     named = (table[number] for table, numbers in used for number in np.unique(numbers).tolist())
     found = {(one.robot, one.target) for one in named if one.kind == "range" and one.time == after.time}

@@ -61,7 +61,7 @@ class Merging(Frozen):
         numbers: (b + r + n,) the numbers of bearings, of ranges and of robots' cells in the belief's table of sources.
         landmarks: (l, 2) [m].
         spacing: Greatest angle between two tangents of a range's far side [rad].
-        cells: Into how many a robot's poses are split at most; 0 for never.
+        cells: Into how many a robot's poses are split at most; 0 for never, and for one pass.
         again: (c,) robots that were found in cells before, from the same readings.
     """
 
@@ -91,7 +91,7 @@ class Merging(Frozen):
     def _settled(self, is_over: IsOver) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
         """Return the polytope with rows, the headings, and (r) directions of ranges, after as many passes as are worth it."""
         known, before = self.polytope, np.full(0, np.inf)
-        for _ in range(PASSES):
+        for _ in range(PASSES if self.cells else 1):
             merged, headings, arcs = self._pass(known)
             if not self._may_gain(merged, headings, arcs) or is_over():
                 break

@@ -15,6 +15,7 @@ from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
+from filter.measurements import Odometry
 from filter.projection.claims import Outlines, Weights
 from filter.projection.fallback import Fallback
 from filter.sensing.cells import ByCases
@@ -40,6 +41,9 @@ class Rejected:
 Event = Rejected | Fallback
 
 
+Bounded = Literal["regions", "boxes", "pairs", "sides"]
+
+
 @dataclass(frozen=True, eq=False)
 class Proof(Frozen):
     """Claims that everything in a polytope satisfies normal . (x_j - x_i) <= offset, with the multipliers that prove them.
@@ -48,7 +52,8 @@ class Proof(Frozen):
     box, plus y . b, is no greater than its offset: in exact arithmetic.
 
     Attributes:
-        of: What is bounded: each robot's position by its region or its box, or the positions of two as seen from one another.
+        of: What is bounded: each robot's position by its region or its box, the positions of pairs as seen from one another, or
+            the sides to which targets are.
         polytope: Rows and box; its rows' sources are numbers in the table below.
         sources: What produced the rows.
         i: (k,) robot, or WORLD for a claim on the position of one robot alone.
@@ -58,7 +63,7 @@ class Proof(Frozen):
         weights: (k) the rows that each claim rests on, and their multipliers.
     """
 
-    of: Literal["regions", "boxes", "pairs"]
+    of: Bounded
     polytope: Polytope
     sources: Sources
     i: Integers
@@ -91,6 +96,19 @@ class Proof(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
+class Moved:
+    """What a prediction was made from, so that the next update can say whether the motion is at fault.
+
+    Attributes:
+        before: The belief before; what that was made from is left out, or all would be kept for ever.
+        odometry: How the robots moved since, or None where nothing was measured of that.
+    """
+
+    before: Belief
+    odometry: Odometry | None
+
+
+@dataclass(frozen=True, eq=False)
 class Belief:
     """What the filter knows at one time.
 
@@ -105,6 +123,7 @@ class Belief:
         proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
             were projected, as of the last update, before each what was proved case by case for it; where an update took
             several rounds, one after the other. None after a prediction.
+        moved: What a prediction was made from; None at the start and after an update.
     """
 
     time: float
@@ -115,6 +134,7 @@ class Belief:
     found: Regions | None = None
     events: tuple[Event, ...] = ()
     proofs: tuple[Proof | ByCases, ...] = ()
+    moved: Moved | None = None
 
     @cached_property
     def regions(self) -> Regions:
@@ -137,7 +157,7 @@ class Belief:
         """The polytope's rows."""
         return self.polytope.constraints
 
-    def proofs_of(self, what: Literal["regions", "boxes", "pairs"]) -> Iterator[Proof]:
+    def proofs_of(self, what: Bounded) -> Iterator[Proof]:
         """Yield the proofs of one kind of claims, one for each round of the last update."""
         return (proof for proof in self.proofs if isinstance(proof, Proof) and proof.of == what)
 

@@ -6,8 +6,8 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from filter.arrays import Frozen, Integers, checked, function, instance, number, shown, whole, whole_number
-from filter.errors import InvalidInput
+from filter.arrays import Array, Frozen, Integers, checked, function, instance, number, shown, whole, whole_number
+from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
@@ -24,7 +24,8 @@ from filter.sensing.motion import displacements, turned_headings
 from filter.sensing.passes import Merging
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
-from filter.sets.belief import Belief
+from filter.sets.belief import Belief, Moved
+from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
 from filter.sets.rejection import agreeing
@@ -58,7 +59,7 @@ class SetMembershipFilter(Frozen):
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
         cells: Into how many a robot's poses are split at most, where directions or headings are wide for what was measured of
-            them (see `filter.sensing.cells`); 0 for never.
+            them (see `filter.sensing.cells`); with 0 an update is one pass.
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
@@ -116,12 +117,13 @@ class SetMembershipFilter(Frozen):
         """Return the belief at a later time [s]; raises `Inconsistent`, too, if a robot has left the arena for sure."""
         self.on_phase("predict")
         self.team.check_belief(belief, Belief, "headings")
-        time = self.team.check_motion(belief.time, time, odometry)
-        duration = time - belief.time
-        moves = displacements(odometry, belief.headings, self.team, duration)
-        headings = turned_headings(odometry, belief.headings, self.team, duration)
-        polytope, sources = moved(belief, time, moves, self.team.arena, self.corners)
-        return Belief(time, polytope, headings, sources, belief.guarantee).compact()
+        time, before = self.team.check_motion(belief.time, time, odometry), replace(belief, moved=None)
+        try:
+            after = self._predicted(before, (time, odometry), self.team.arena)
+        except Inconsistent as error:
+            conflict = conflict_of(error, [Premises(before, (time, odometry), (), self.team, self._excludes)])
+            raise Inconsistent(error.what, conflict.sources) from None
+        return replace(after, moved=Moved(before, odometry))
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
         """Return the belief after merging measurements taken at its time, with every region searched anew.
@@ -135,9 +137,16 @@ class SetMembershipFilter(Frozen):
         self.team.check_belief(belief, Belief, "headings")
         records = self.team.checked(belief.time, measurements)
         is_over = self.budget.begin() if self.budget else never
-        if self.policy == "raise":
+        cases = [Premises(belief, None, records, self.team, self._excludes)]
+        if belief.moved:
+            motion = belief.time, belief.moved.odometry
+            cases.insert(0, Premises(belief.moved.before, motion, records, self.team, self._excludes))
+        if self.policy == "reject":
+            return agreeing(lambda kept: self._updated(belief, kept, is_over), records, cases)
+        try:
             return self._updated(belief, records, is_over)
-        return agreeing(lambda kept: self._updated(belief, kept, is_over), records)
+        except Inconsistent as error:
+            raise Inconsistent(error.what, conflict_of(error, cases).sources) from None
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
         """Return (g) polygons that contain x_j - x_i of robots i, j (g,) (eq. 3) [m]; `InvalidInput` if these are no pairs."""
@@ -147,6 +156,22 @@ class SetMembershipFilter(Frozen):
             raise InvalidInput(f"(g,) robots below {self.team.robots} and (g,) others", f"{one.tolist()} and {other.tolist()}")
         pairs = np.minimum(one, other), np.maximum(one, other)
         return self._projector.pairs(belief.polytope, pairs).outlines.outer.turned_about(one > other)
+
+    def _predicted(self, belief: Belief, motion: Motion, arena: Array) -> Belief:
+        time, odometry = motion
+        duration = time - belief.time
+        moves = displacements(odometry, belief.headings, self.team, duration)
+        headings = turned_headings(odometry, belief.headings, self.team, duration)
+        polytope, sources = moved(belief, time, moves, arena, self.corners)
+        return Belief(time, polytope, headings, sources, belief.guarantee).compact()
+
+    def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
+        """Return whether a belief, after a motion in an arena, is proved to exclude measurements (see `Premises`)."""
+        try:
+            self._updated(self._predicted(belief, motion, arena) if motion else belief, measurements, never)
+        except Inconsistent:
+            return True
+        return False
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         """Merge and project; while what cells found of robots that measured one another makes regions smaller, once more."""

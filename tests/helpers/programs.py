@@ -61,6 +61,11 @@ def merging(belief, records, team, spacing, cells=64):
     return Merging(belief.polytope, belief.headings, readings, numbers, team.landmarks, spacing, cells)
 
 
+def with_records(estimator, belief, records):
+    """Return the polytope of a belief with the rows of records, as a filter makes them."""
+    return merging(belief, records, estimator.team, estimator.tangent_spacing, estimator.cells).merged().polytope
+
+
 def on_robot(robot, normal, offset, source):
     """Return rows on one robot."""
     return Constraints(np.full(len(offset), WORLD), np.full(len(offset), robot), normal, offset, source)

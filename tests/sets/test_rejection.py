@@ -12,8 +12,10 @@ from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Compass, Range
+from filter.projection.stop import never
 from filter.sets.belief import Rejected
-from filter.sets.rejection import single, without
+from filter.sets.conflict import Premises, conflict_of, single, without
+from filter.sets.rejection import agreeing
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
@@ -84,8 +86,67 @@ def test_a_wrong_compass_is_one_measurement_not_many(seed):
     assert escapes(after, world.positions, world.headings) == []
 
 
-def test_where_very_much_is_wrong_none_goes_that_need_not():
+def lying(world, lies):
+    """Return records of which so many are false, and these as sources."""
+    records, sources = world.measure(), []
+    for _ in range(lies):
+        k = int(world.rng.integers(len(records)))
+        name = {Compass: "heading", Bearing: "bearing", Range: "range"}[type(records[k])]
+        column, place = getattr(records[k], name).copy(), int(world.rng.integers(len(records[k].robot)))
+        column[place] += 3.0 if name == "range" else 0.8
+        records[k] = replace(records[k], **{name: column})
+        sources.append(single(records)[k, place])
+    return records, sources
+
+
+@pytest.mark.parametrize("lies", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(6))
+def test_no_more_are_dropped_than_are_false(seed, lies):
+    """The false ones left out, the rest agrees: so the fewest are no more, and in each conflict there is a false one."""
+    world, belief = world_and_belief(seed)
+    records, false = lying(world, lies)
+    after = rejecting(world.team).update(belief, records)
+    assert len(rejected(after)) <= lies
+    for event in after.events:
+        assert event.source in event.conflict
+        assert set(event.conflict) & set(false)
+
+
+def test_a_conflict_is_looked_for_once(monkeypatch):
+    """What hits no known conflict is not merged."""
+    world, belief = world_and_belief(2)
+    records, _ = lying(world, 3)
+    merges, conflicts = [], []
+
+    def found(*given):
+        conflicts.append(conflict_of(*given))
+        return conflicts[-1]
+
+    def merge(kept):
+        merges.append(kept)
+        return estimator(world.team)._updated(belief, kept, never)
+
+    monkeypatch.setattr("filter.sets.rejection.conflict_of", found)
+    cases = [Premises(belief, None, tuple(records), world.team, estimator(world.team)._excludes)]
+    agreeing(merge, tuple(records), cases)
+    assert len(merges) == len(conflicts) + 1
+    assert len({conflict.readings for conflict in conflicts}) == len(conflicts)
+
+
+def test_where_only_the_start_and_the_motion_are_in_conflict_nothing_is_dropped():
+    filter_ = rejecting(Team(1, [[9.0, 9.0]], 0.0, 0.0, [[0, 0], [4, 1]]))
+    belief = filter_.start(0.0, [BOX], AngularIntervals([0.0], [0.1]))
+    moved = filter_.predict(belief, 1.0, odometry(distance=2.0))
+    apart = on_robot(0, np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([1.0, -1.5]), np.zeros(2, dtype=int))
+    broken = replace(moved, moved=None, polytope=moved.polytope.with_constraints(apart))
+    with pytest.raises(Inconsistent, match=r"to be dropped: .* all of: region of robot 0 at 1\.000 s$"):
+        filter_.update(broken, [Range(1.0, 0, 1, 1.0, 0.1, 0.0), Compass(1.0, 0, 0.0, 0.1)])
+
+
+@pytest.mark.parametrize("conflicts", [2, 64])
+def test_where_very_much_is_wrong_none_goes_that_need_not(conflicts, monkeypatch):
     """A robot was carried away: all that is seen of it, and by it, contradicts where it can be."""
+    monkeypatch.setattr("filter.sets.rejection.CONFLICTS", conflicts)
     world, belief = world_and_belief(1)
     world.positions[0] += 3.0
     records = world.measure()
@@ -124,7 +185,7 @@ def test_readings_are_left_out_one_by_one():
     left = without(records, {(0, 1): (), (1, 0): (), (2, 0): ()})
     assert left[0].heading.tolist() == [0.1]
     assert left[1].target.tolist() == [2]
-    assert left[2].range.tolist() == []
+    assert len(left) == 2
 
 
 def test_an_unknown_policy_is_refused():

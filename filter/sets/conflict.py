@@ -143,26 +143,23 @@ class Premises:
         rests = self.motion is None  # a robot of whose motion nothing is held has gone, and turned, anywhere
         moved, turned = (of["odometry"] | of[limit] | rests for limit in ("speed limit", "turn limit"))
         placed = (of["initial set"] | of["region"]) & moved
-        touched = np.zeros(self.team.robots, dtype=bool)  # the others stay where they are: without rows they matter to nobody
-        touched[list(self.robots_of(part.source for part in held if part.source.kind != "arena"))] = True
-        lower, upper, limits = self._boxes(placed, moved, touched, of["arena"])
+        lower, upper, limits = self._boxes(placed, of["arena"])
         rows = self.before.constraints.select(self._rows(placed, moved, [part.source for part in held]))
         headings, polytope = self.before.headings, Polytope(rows, lower, upper, self.before.polytope.origin)
         arcs = AngularIntervals(headings.centre, np.where(of["heading"] & turned, headings.bound, np.pi))
         dropped = {part.reading for part in self.parts if part.reading is not None and part not in held}
         return replace(self.before, polytope=polytope, headings=arcs), self.motion, limits, without(self.measurements, dropped)
 
-    def _boxes(self, placed: Mask, moved: Mask, touched: Mask, inside: Mask) -> tuple[Array, Array, Array]:
+    def _boxes(self, placed: Mask, inside: Mask) -> tuple[Array, Array, Array]:
         """Return corners (n, 2) and (n, 2) of boxes before the motion, and each robot's own arena (2, n, 2) after it.
 
-        (n,) are which robots are placed, have moved by as much as is known, matter, and are inside the arena.
+        (n,) are which robots are placed, and which are inside the arena.
         """
         arena, anywhere = self.team.arena[:, None], self._anywhere[:, None]
-        closed = np.where(np.isfinite(arena), arena, anywhere)
-        limits = np.where((inside & touched)[:, None], closed, anywhere)
+        limits = np.where(inside[:, None] & np.isfinite(arena), arena, anywhere)
         box = np.stack([self.before.polytope.lower, self.before.polytope.upper])
         own = placed[:, None] & (inside[:, None] | (box != arena))  # a side that a set has in common with the arena is its
-        lower, upper = np.where(own | ~touched[:, None], box, np.where(moved[:, None], limits, anywhere))
+        lower, upper = np.where(own, box, limits)
         return lower, upper, limits
 
     def _rows(self, placed: Mask, moved: Mask, held: Iterable[Source]) -> Mask:

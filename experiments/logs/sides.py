@@ -100,12 +100,9 @@ def sides_behind_ranges(step: Step[Belief], landmarks: Array) -> Sighted:
     before, after = step.predicted, step.belief
     readings = Readings.of(before.time, _bearings(step))
     sources, numbers = readings.numbered(before.sources, len(before.headings))
-    robot, target, arcs = (
-        readings.bearings.robot,
-        readings.bearings.target,
-        world_arcs(readings.bearings, after.headings[readings.bearings.robot]),
-    )
-    fresh = on_robots(bearing_rows(robot, target, arcs, numbers[: len(robot)]), before.polytope, landmarks)
+    bearings = readings.bearings
+    robot, arcs = bearings.robot, world_arcs(bearings, after.headings[bearings.robot])
+    fresh = on_robots(bearing_rows(robot, bearings.target, arcs, numbers[: len(robot)]), before.polytope, landmarks)
     rows = Constraints.concatenate([before.constraints, fresh])
     known = replace(before, polytope=before.polytope.with_constraints(rows), sources=sources)
     proofs = (*after.proofs_of("regions"), *after.proofs_of("boxes"), *after.proofs_of("pairs"))

@@ -130,6 +130,14 @@ def test_two_arcs_that_meet_behind_are_not_taken_for_what_is_in_front():
     assert not Arc(Fraction(-1, 10), Fraction(1, 10)).covers(found)
 
 
+def test_two_wide_arcs_that_meet_at_both_ends_have_both_in_common():
+    one, other = Arc(Fraction(-28, 10), Fraction(28, 10)), Arc(Fraction(-8, 10), Fraction(48, 10))
+    for arcs in ((one, other), (other, one), (one, other.turned(2)), (one.turned(-1), other)):
+        found = in_common(arcs[0], arcs[1:])
+        for angle in (Fraction(0), Fraction(-26, 10), Fraction(27, 10)):
+            assert found.covers(Arc(angle, angle))
+
+
 def test_an_arc_covers_the_same_some_turns_away_and_no_wider_one():
     arc = Arc(Fraction(3), Fraction(4))
     for turns in (-2, 0, 1):

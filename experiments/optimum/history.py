@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter import SetMembershipFilter, Step
+from filter import Step
 from filter.arrays import Array, Integers
 from filter.geometry.polygon import Polygon, clip
 from filter.linear.constraints import WORLD, Constraints
@@ -85,7 +85,7 @@ class History:
         readings = Readings.of(before.time, step.frame.measurements)
         numbers = len(before.sources) + np.arange(len(readings.bearings.robot) + len(readings.ranges.robot) + team.robots)
         parts = before.polytope, before.headings, readings, numbers, team.landmarks, self.tangent_spacing
-        rows = Merging(*parts, SetMembershipFilter.cells).merged().polytope.constraints
+        rows = Merging(*parts, cells=0).merged().polytope.constraints
         return rows.select(rows.source >= len(before.sources))
 
 

@@ -67,6 +67,7 @@ class Variant:
             scope=Window() if self.window else Window.everybody(),
             pairs=SetMembershipFilter.pairs if self.pairs else 0,
             corners=self.corners,
+            cells=0,  # as in the history: what is compared is what forgetting costs
         )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from experiments.proof.exact import Arc, Vector, in_common, length
+from experiments.proof.exact import CIRCLE, Arc, Vector, in_common, length
 from experiments.proof.log import Frame, Log, Reading
 from experiments.proof.reading import Record
 from experiments.proof.sides import Sides
@@ -65,7 +65,7 @@ def _of_range(then: Instant, who: tuple[int, int], reading: Reading, normal: Vec
         return FAR
     least = max(Fraction(0), (value - bound) / (1 + share))
     sights, proved = _sights(then, *who), then.sides.arc(*who)
-    arcs = [(arc, NEAR) for arc in sights]
+    arcs = [(arc, NEAR) for arc in (*sights, in_common(Arc(-CIRCLE, CIRCLE), sights))]
     if proved is not None:
         arcs.append((in_common(proved, sights), NEAR_OF_SIDES))
     for arc, link in arcs:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from filter import Array, Belief, Compass, Integers, Proof, Source, Step
+from filter.sensing.readings import Readings
 
 WORLD = -1  # what an edge of a robot's own region is seen from
 SAME_DIRECTION = 1e-6  # an edge whose normal is within this of a row's carries it alone [rad]
@@ -49,6 +50,7 @@ def traced(steps: Sequence[Step[Belief]], edges: Sequence[Edge]) -> tuple[Source
             elif (key := (behind.time, behind.i, behind.j, *behind.normal.tolist())) not in seen:
                 seen.add(key)
                 left.append(behind)
+    found = {said for source in found for said in _said(at, source)}
     found |= {heading for source in found if source.time in at for heading in _compass(at[source.time], source)}
     return tuple(sorted(found, key=lambda source: (source.time, source.kind, source.robot, source.target or 0)))
 
@@ -86,6 +88,13 @@ def _driven(steps: Sequence[Step[Belief]], since: float, edge: Edge) -> Iterator
         if driven is not None and since < step.frame.time <= edge.time:
             for robot in {edge.i, edge.j} & set(driven.robot.tolist()):
                 yield Source("odometry", step.frame.time, robot)
+
+
+def _said(at: Mapping[float, Step[Belief]], source: Source) -> list[Source]:
+    """Return what a source is: for cells, all that was said of the robot then."""
+    if source.kind != "cells" or source.time not in at:
+        return [source]
+    return Readings.of(source.time, at[source.time].frame.measurements).concerning(source.robot)
 
 
 def _compass(step: Step[Belief], source: Source) -> Iterator[Source]:

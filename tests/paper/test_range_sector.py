@@ -68,7 +68,7 @@ def test_several_percent_for_a_wide_range_of_measurements():
 
 def updated(spacing):
     stop = Stop(performance_ratio=1 - 1e-6, searches=40)
-    team_filter = SetMembershipFilter.light(Team(2, speed_limit=0.0), stop=stop, tangent_spacing=spacing)
+    team_filter = SetMembershipFilter.light(Team(2, speed_limit=0.0), stop=stop, tangent_spacing=spacing, cells=0)
     sets = [Polygon.box([0, 0], [0, 0]), Polygon.box([1, -1], [3, 2])]
     belief = team_filter.start(0.0, sets, AngularIntervals(np.zeros(2), np.zeros(2)))
     seen = [Bearing(0.0, 0, 1, 0.3, np.radians(12)), Range(0.0, 0, 1, 2.0, 0.02, 0.0)]

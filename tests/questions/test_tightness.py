@@ -40,7 +40,7 @@ def followed(estimator, world, count, tangents=32, motion=lambda record: record)
 @pytest.mark.parametrize("seed", range(3))
 def test_every_row_holds_for_the_true_positions_of_all_steps(seed, errors):
     world = World(np.random.default_rng(seed), robots=4, errors=errors)
-    history, steps, truths = followed(SetMembershipFilter(world.team), world, 12, tangents=16)
+    history, steps, truths = followed(SetMembershipFilter(world.team, cells=0), world, 12, tangents=16)
     program = history.polytope(len(steps) - 1).program()
     assert (program.A @ truths.ravel() <= program.b).all()
     assert (program.lower <= truths.ravel()).all()
@@ -51,7 +51,7 @@ def test_every_row_holds_for_the_true_positions_of_all_steps(seed, errors):
 @pytest.mark.parametrize("seed", range(2))
 def test_the_filters_regions_contain_those_of_the_whole_history(seed, options):
     world = World(np.random.default_rng(seed), robots=3, errors="extreme" if seed else "uniform")
-    history, steps, truths = followed(SetMembershipFilter(world.team, **options), world, 6, tangents=ROUND)
+    history, steps, truths = followed(SetMembershipFilter(world.team, cells=0, **options), world, 6, tangents=ROUND)
     for step in (0, 5):
         for robot, best in enumerate(optimum(history, step, FINE)):
             region = steps[step].belief.regions[robot]
@@ -63,7 +63,7 @@ def test_the_filters_regions_contain_those_of_the_whole_history(seed, options):
 def test_before_anything_is_forgotten_the_filter_is_the_optimum():
     world = World(np.random.default_rng(5), robots=4)
     everything = Stop(1 - 1e-9, 0.0, 400)
-    estimator = SetMembershipFilter(world.team, stop=everything, rows_per_robot=999, rows_per_pair=999)
+    estimator = SetMembershipFilter(world.team, stop=everything, rows_per_robot=999, rows_per_pair=999, cells=0)
     history, steps, _ = followed(estimator, world, 1)
     for best, region in zip(optimum(history, 0, FINE), steps[0].belief.regions, strict=True):
         assert region.outer.area == pytest.approx(best.inner.area, rel=2e-3)
@@ -72,7 +72,7 @@ def test_before_anything_is_forgotten_the_filter_is_the_optimum():
 def test_a_longer_history_says_more():
     """What is forgotten: the optimum of the last two steps, from where the filter was, is larger than that of all."""
     world = World(np.random.default_rng(2), robots=3)
-    history, steps, _ = followed(SetMembershipFilter(world.team), world, 8, tangents=ROUND)
+    history, steps, _ = followed(SetMembershipFilter(world.team, cells=0), world, 8, tangents=ROUND)
     short = History(world.team, tangents=ROUND)
     for step in steps[-2:]:
         short.add(step)
@@ -84,7 +84,7 @@ def test_a_longer_history_says_more():
 def test_the_optimum_is_that_of_an_oracle():
     """HiGHS, with displacements as weighted corners instead of half-planes; without slip, as that is round."""
     world = World(np.random.default_rng(4), robots=2)
-    estimator = SetMembershipFilter(world.team)
+    estimator = SetMembershipFilter(world.team, cells=0)
     history, steps, _ = followed(estimator, world, 3, ROUND, lambda record: replace(record, slip_bound=0.0))
     polytope = history.polytope(2)
     rows = polytope.constraints
@@ -141,7 +141,7 @@ def test_a_robot_that_cannot_move_has_one_point_to_go():
 
 def test_an_anchored_team_stays_where_it_is():
     team = Team(2, speed_limit=0.0)
-    estimator, history = SetMembershipFilter(team), History(team)
+    estimator, history = SetMembershipFilter(team, cells=0), History(team)
     belief = estimator.start(0.0, [Polygon.box([0, 0], [0, 0]), Polygon.box([1, 0], [2, 0])])
     for step in follow(estimator, belief, [Frame(0.1 * k, None, (Compass(0.1 * k, [0, 1], 0.0, 0.1),)) for k in range(3)]):
         history.add(step)
@@ -173,7 +173,7 @@ def test_nothing_to_leave_out_of_nothing():
 
 
 def test_the_default_budget_is_the_filters():
-    estimator = SetMembershipFilter(Team(1))
+    estimator = SetMembershipFilter(Team(1), cells=0)
     assert BUDGETS[DEFAULT] == (estimator.rows_per_robot, estimator.rows_per_pair)
 
 

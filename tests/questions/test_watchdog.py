@@ -142,7 +142,7 @@ def test_each_edge_is_traced_to_what_bounded_it_and_not_to_what_bounded_another(
 
 @pytest.mark.parametrize(("i", "j"), [(0, 1), (0, 2), (1, 2)])
 def test_what_is_known_of_a_pair_is_traced_to_those_two(i, j):
-    filter_ = SetMembershipFilter(Team(3, speed_limit=0.01))
+    filter_ = SetMembershipFilter(Team(3, speed_limit=0.01), cells=0)
     start = filter_.start(0.0, [Polygon.box([-99, -99], [99, 99])] * 3)
     one, other = np.array([0, 0, 1]), np.array([1, 2, 2])
     seen = [Compass(0.0, [0, 1], 0.0, 0.1), Bearing(0.0, one, other, [0, 1, 2], 0.1), Range(0.0, one, other, 5, 0.1, 0.0)]

@@ -68,7 +68,9 @@ def test_when_every_solver_fails_the_propagated_polygon_is_left(broken):
 
     world = World(np.random.default_rng(6), robots=3)
     liar = Liar("gives up", np.random.default_rng(7))
-    estimator = SetMembershipFilter(world.team, exact=False, solvers=(no_workspace, liar)[: 1 if broken == "set-up" else 2])
+    estimator = SetMembershipFilter(
+        world.team, exact=False, solvers=(no_workspace, liar)[: 1 if broken == "set-up" else 2], cells=0
+    )
     belief = estimator.start(0.0, world.initial_sets(), world.initial_headings())
     moved = estimator.predict(belief, 0.1, world.move())
     after = estimator.update(moved, world.measure())

@@ -22,7 +22,7 @@ def start(world):
 def taken(belief, world, records, spacing=SPACING):
     """Return a belief with the rows of records."""
     sources, _ = Readings.of(belief.time, records).numbered(belief.sources, world.team.robots)
-    found = merging(belief, records, world.team, spacing).merged()
+    found = merging(belief, records, world.team, spacing, cells=0).merged()
     return Belief(0.0, found.polytope, found.headings, sources, Guarantee.full(len(found.headings)))
 
 

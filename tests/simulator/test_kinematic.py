@@ -6,7 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
-from helpers.motions import outside
+from helpers.driven import outside
 
 from filter.errors import InvalidInput
 from filter.geometry.angles import wrap

@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
-from helpers.motions import outside
+from helpers.driven import outside
 
 from filter.errors import InvalidInput
 from sim.drive import Driver

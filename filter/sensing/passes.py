@@ -5,6 +5,7 @@ positions narrows both. So where a direction is wide there is another pass, from
 own polygon. Only the rows of the last pass are kept.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,7 +16,6 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source
-from filter.projection.stop import IsOver, never
 from filter.sensing.cell import WORTH_A_SLICE
 from filter.sensing.cells import ByCases, Told, by_cases
 from filter.sensing.headings import narrowed_headings
@@ -74,7 +74,7 @@ class Merging(Frozen):
     cells: int
     again: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
-    def merged(self, is_over: IsOver = never) -> Merged:
+    def merged(self, is_over: Callable[[], bool] = lambda: False) -> Merged:
         """Return the team's polytope with the rows of bearings and ranges, and the headings.
 
         Raises `Inconsistent` if what is known and measured of a heading, or of one robot's pose, is proved to have nothing in
@@ -88,7 +88,7 @@ class Merging(Frozen):
         known, headings, _ = fewer._settled(is_over)
         return Merged(known, headings, cases)
 
-    def _settled(self, is_over: IsOver) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
+    def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
         """Return the polytope with rows, the headings, and (r) directions of ranges, after as many passes as are worth it."""
         known, before = self.polytope, np.full(0, np.inf)
         for _ in range(PASSES if self.cells else 1):
@@ -119,7 +119,7 @@ class Merging(Frozen):
         new[self.again] = True
         return suspects[(new | (worst[:robots] > SAGITTA) | (wide > WIDE_HEADING))[suspects]]
 
-    def _in_cells(self, robots: Integers, is_over: IsOver) -> tuple["Merging", tuple[ByCases, ...]]:
+    def _in_cells(self, robots: Integers, is_over: Callable[[], bool]) -> tuple["Merging", tuple[ByCases, ...]]:
         """Return what is merged into what cells leave of some robots' poses, and why."""
         nothing = AngularIntervals.circles(len(self.readings.bearings.robot))
         headings, known, cases = narrowed_headings(self.headings, self.readings, nothing), self.polytope, list[ByCases]()

@@ -145,7 +145,8 @@ def test_what_is_known_of_a_pair_is_traced_to_those_two(i, j):
     filter_ = SetMembershipFilter(Team(3, speed_limit=0.01), cells=0)
     start = filter_.start(0.0, [Polygon.box([-99, -99], [99, 99])] * 3)
     one, other = np.array([0, 0, 1]), np.array([1, 2, 2])
-    seen = [Compass(0.0, [0, 1], 0.0, 0.1), Bearing(0.0, one, other, [0, 1, 2], 0.1), Range(0.0, one, other, 5, 0.1, 0.0)]
+    fine = np.where((one == i) & (other == j), 0.1, 1.0)  # the other two say less of these two than they do themselves
+    seen = [Compass(0.0, [0, 1], 0.0, 0.1), Bearing(0.0, one, other, [0, 1, 2], fine), Range(0.0, one, other, 5, 2 * fine, 0.0)]
     steps = list(follow(filter_, start, [Frame(0.0, None, seen), Frame(1.0)]))
     found = {
         source for angle in range(6) for source in traced(steps, [Edge(1.0, i, j, np.array([np.cos(angle), np.sin(angle)]))])

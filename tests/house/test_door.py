@@ -22,6 +22,7 @@ PAST = {
     "experiments/logs/sides.py": "where targets are at a glance, and rows of bearings, to prove what the filter took from them",
     "experiments/logs/tum.py": "the same checks",
     "experiments/sweep/executors.py": "the same checks",
+    "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",
 }
 
 

@@ -29,7 +29,7 @@ SAGITTA = 1.0
 # or where a bearing would leave this share of a heading.
 LEFT_OF_A_HEADING = 0.8
 # Cells are worth it where a chord is so far inside, or a heading is wider than several bearings' bounds by this factor; and,
-WIDE_HEADING = 1.0
+INSIDE, WIDE_HEADING = 0.5, 1.0
 # where no more than a share of a robot's box is left, sooner: from these shares on.
 NEW, SOON, SOON_WIDE = 0.7, 0.03, 0.1
 TINY = 1e-12  # what is divided by is never smaller [m]
@@ -111,13 +111,13 @@ class Merging(Frozen):
         several = np.flatnonzero(np.bincount(bearings.robot, minlength=robots)[bearings.robot] >= WORTH_A_SLICE)
         wide, seer = np.zeros(robots), bearings.robot[several]
         np.maximum.at(wide, seer, headings.bound[seer] / np.maximum(bearings.bound[several], TINY))
-        suspects = np.flatnonzero((worst[:robots] > SOON * SAGITTA) | (wide > SOON_WIDE * WIDE_HEADING))
+        suspects = np.flatnonzero((worst[:robots] > SOON) | (wide > SOON_WIDE))
         if not len(suspects):
             return suspects
         before, now = self.polytope, boxed_at_a_glance(merged)
         new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
         new[self.again] = True
-        return suspects[(new | (worst[:robots] > SAGITTA) | (wide > WIDE_HEADING))[suspects]]
+        return suspects[(new | (worst[:robots] > INSIDE) | (wide > WIDE_HEADING))[suspects]]
 
     def _in_cells(self, robots: Integers, is_over: Callable[[], bool]) -> tuple["Merging", tuple[ByCases, ...]]:
         """Return what is merged into what cells leave of some robots' poses, and why."""

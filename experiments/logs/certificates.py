@@ -22,6 +22,7 @@ from typing import Any
 
 from experiments.logs.sides import Sighted, sides_behind_headings, sides_behind_ranges
 from filter import Array, Belief, InvalidInput, Polygon, Proof, Source, Step
+from filter.sensing.cells import ByCases
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"
@@ -49,10 +50,9 @@ class Certificates:
 
     def _proofs(self, belief: Belief) -> list[Proof]:
         """Return what can be proved again."""
-        proofs = [proof for proof in belief.proofs if isinstance(proof, Proof)]
-        if len(proofs) < len(belief.proofs):
+        if any(isinstance(proof, ByCases) for proof in belief.proofs):
             raise InvalidInput("a belief of a filter with cells=0, as certificates know no cells", "one with cells")
-        return proofs
+        return [proof for proof in belief.proofs if isinstance(proof, Proof)]
 
     def close(self) -> None:
         """Close the files."""

@@ -19,7 +19,7 @@ from filter.projection.fallback import project_all
 from filter.projection.proved import NOTHING, Projection, position
 from filter.projection.stop import Stop
 from filter.sensing.motion import Displacements, displacements
-from filter.sensing.passes import Merging
+from filter.sensing.passes import Merger
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.belief import Belief
@@ -83,9 +83,9 @@ class History:
         """Return the rows of a step's bearings and ranges as the filter makes them, before it prunes."""
         before, team = step.predicted, self.team
         readings = Readings.of(before.time, step.frame.measurements)
-        numbers = len(before.sources) + np.arange(len(readings.bearings.robot) + len(readings.ranges.robot) + team.robots)
-        parts = before.polytope, before.headings, readings, numbers, team.landmarks, self.tangent_spacing
-        rows = Merging(*parts, cells=0).merged().polytope.constraints
+        sources, numbers = readings.numbered(before.sources, team.robots)
+        parts = before.polytope, before.headings, readings, sources, numbers, team.landmarks, self.tangent_spacing
+        rows = Merger(*parts, cells=0).merged().polytope.constraints
         return rows.select(rows.source >= len(before.sources))
 
 

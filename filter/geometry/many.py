@@ -65,6 +65,10 @@ class Polygons(Lists, Sequence[Polygon]):
         """(n,) areas of the hulls of the vertices [m2]."""
         return read_only(areas_of(self.vertices, self.first))
 
+    def corners(self) -> list[Array]:
+        """Return the vertices (e, 2) of each polygon [m]."""
+        return np.split(self.vertices, self.first[1:-1]) if len(self) else []
+
     def contains(self, points: Array) -> Mask:
         """Return (n,) whether each polygon's half-planes hold at its own of (n, 2) points [m]."""
         broken = (self.normals * points[self.owner]).sum(axis=1) > self.offsets

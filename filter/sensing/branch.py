@@ -9,12 +9,12 @@ from filter.compiled import compiled
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.simplify import edges_worth_keeping
-from filter.sensing.cell import CORNERS, Said, Scale, cut, pruned, where_to_split, wrapped
+from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned, wrapped
+from filter.sensing.split import where_to_split
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
-EDGES = 24  # of the hull, at most
+HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, at most
 APART = 1e-6  # of its size, the hull is larger: lines that almost coincide with those of readings lead walks astray
-ROUNDINGS = 2.0**20  # so many at most, one upon the other, are in a vertex of a cell
 
 
 class Tree(NamedTuple):
@@ -23,22 +23,25 @@ class Tree(NamedTuple):
     Attributes:
         line: (2 c, 3) along which each piece was split (see `where_to_split`).
         child: (2 c,) the first of its two pieces, 0 where it was not.
+        rounds: (2 c,) in which each piece was cut.
     """
 
     line: Array
     child: Integers
+    rounds: Integers
 
     @classmethod
     def blank(cls, cells: int) -> "Tree":
         """Return one to be filled."""
-        return cls(np.zeros((2 * cells, 3)), np.zeros(2 * cells, dtype=np.int64))
+        return cls(np.zeros((2 * cells, 3)), np.zeros(2 * cells, dtype=np.int64), np.zeros(2 * cells, dtype=np.int64))
 
 
 class Pieces(NamedTuple):
     """Cells that are left, and room for more of them.
 
     Attributes:
-        corners: (c, CORNERS, 2) of each.
+        tree: In which they are.
+        corners: (c, CELL_CORNERS, 2) of each.
         size: (c,) how many it has.
         heading: (c, 2) its arc, centre and bound [rad].
         split: (c, 4) how badly it is too wide, and the line to split it along (see `where_to_split`).
@@ -46,6 +49,7 @@ class Pieces(NamedTuple):
         alive: (1,) how many there are.
     """
 
+    tree: Tree
     corners: Array
     size: Integers
     heading: Array
@@ -56,16 +60,20 @@ class Pieces(NamedTuple):
 
 @compiled
 def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) -> Array:
-    """Return half-planes (k, 3), normal and offset, around all places that a robot can have; none if it is proved to have none.
+    """Return half-planes (k, 4) around all places that a robot can have; none if it is proved to have none.
+
+    They are normal and offset, and whether they are among the few that are enough for others, 1 or 0.
 
     It is in a polygon (v, 2), or no farther than a margin beyond it [m], with a heading in an arc (2,), centre and bound [rad],
     which is narrowed in place.
     """
     largest = max(np.abs(start).max(), np.abs(said.points).max())
-    scale = Scale(largest, margin + ROUNDINGS * EPSILON * largest, np.empty((CORNERS + 2, 2)))
     most = len(tree.child) // 2
+    rounding = 8 * EPSILON * largest * most * cuts_at_most(said)  # each cut makes vertices from those that one before has made
+    scale = Scale(largest, margin + rounding, np.empty((CELL_CORNERS + 2, 2)))
     left = Pieces(
-        np.empty((most, CORNERS, 2)),
+        tree,
+        np.empty((most, CELL_CORNERS, 2)),
         np.zeros(most, dtype=np.int64),
         np.empty((most, 2)),
         np.empty((most, 4)),
@@ -92,7 +100,9 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
 def _prune(left: Pieces, k: int, size: int, said: Said, scale: Scale) -> None:
     """Cut a piece by everything, and look how wide it is then."""
     pose = left.corners[k], left.heading[k]
-    left.size[k] = pruned(pose, size, said, scale) if size else 0
+    left.size[k] = size
+    if size:
+        left.size[k], left.tree.rounds[left.node[k]] = pruned(pose, size, said, scale)
     if left.size[k]:
         need, x, y, offset = where_to_split(pose, left.size[k], said, scale)
         left.split[k, 0], left.split[k, 1], left.split[k, 2], left.split[k, 3] = need, x, y, offset
@@ -142,17 +152,17 @@ def _hull_of_arcs(heading: Array, arcs: Array) -> None:
 
 @compiled
 def _outline(left: Pieces, margin: float) -> Array:
-    """Return half-planes (k, 3) around all pieces."""
+    """Return half-planes (k, 4) around all pieces (see `branch`)."""
     corners, count = np.empty((left.size[: left.alive[0]].sum(), 2)), 0
     for k in range(left.alive[0]):
         for m in range(left.size[k]):
             corners[count, 0], corners[count, 1] = left.corners[k, m, 0], left.corners[k, m, 1]
             count += 1
     if not count:
-        return np.empty((0, 3))
+        return np.empty((0, 4))
     hull = hull_of(corners)
     edges = len(hull) if len(hull) > 2 else 4
-    lines, level = np.empty((edges, 3)), np.empty(edges)
+    lines, level, all_of_them = np.empty((edges, 4)), np.empty(edges), np.ones(edges, dtype=np.bool_)
     x, y, size = hull[:, 0].mean(), hull[:, 1].mean(), np.ptp(hull[:, 0]) + np.ptp(hull[:, 1])
     for k in range(edges):
         angle = k * np.pi / 2
@@ -164,5 +174,8 @@ def _outline(left: Pieces, margin: float) -> Array:
             lines[k, 2] = max(lines[k, 2], lines[k, 0] * hull[m, 0] + lines[k, 1] * hull[m, 1])
         level[k] = lines[k, 2] - lines[k, 0] * x - lines[k, 1] * y
         lines[k, 2] += 2 * margin + APART * size
-    keep, _ = edges_worth_keeping(lines[:, :2], level, np.ones(edges, dtype=np.bool_), EDGES, 0.0)
-    return lines[keep]
+    keep, _ = edges_worth_keeping(lines[:, :2], level, all_of_them, HULL_EDGES, 0.0)
+    lines, level, all_of_them = lines[keep], level[keep], all_of_them[keep]
+    few, _ = edges_worth_keeping(lines[:, :2], level, all_of_them, FEW_EDGES, -1.0)
+    lines[:, 3] = few
+    return lines

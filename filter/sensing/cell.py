@@ -20,12 +20,9 @@ from filter.geometry.convex import EPSILON, area_of
 from filter.geometry.sector import far_and_near, sides
 from filter.sensing.rows import WIDENING
 
-CORNERS = 64  # of a cell at most: a half-plane that would make more is left out
-ROUNDS = 3  # in which a cell is cut by everything, as long as
+CELL_CORNERS = 64  # of a cell at most: a half-plane that would make more is left out
+ROUNDS = 10  # in which a cell is cut by everything, as long as
 SHRUNK = 0.9  # that leaves less than this share of its area
-WORTH_A_SLICE = 2  # bearings by a robot itself, from which on it is worth to split its heading
-FINEST = 1e-3  # a heading is not split for bearings that are finer than this [rad]
-OFF_THE_EDGE = 1e-3  # a line that is so near the edge of a cell, in its width, splits nothing off
 
 
 class Said(NamedTuple):
@@ -54,7 +51,7 @@ class Scale(NamedTuple):
     Attributes:
         largest: No coordinate is larger [m].
         margin: How far cells and targets can reach beyond the hulls of their points [m].
-        room: (CORNERS + 2, 2) scratch.
+        room: (CELL_CORNERS + 2, 2) scratch.
     """
 
     largest: float
@@ -63,7 +60,9 @@ class Scale(NamedTuple):
 
 
 Line = tuple[float, float, float]  # x, y and offset of x p_x + y p_y = offset
-Pose = tuple[Array, Array]  # room for the vertices of a cell (CORNERS, 2) [m], and its heading (2,), centre and bound [rad]
+Pose = tuple[
+    Array, Array
+]  # room for the vertices of a cell (CELL_CORNERS, 2) [m], and its heading (2,), centre and bound [rad]
 
 
 @compiled
@@ -76,7 +75,7 @@ def cut(cell: Array, size: int, line: Line, scale: Scale) -> int:
     level, some = offset + 8 * EPSILON * (abs(offset) + (abs(x) + abs(y)) * scale.largest), False
     for m in range(size):
         some = some or x * cell[m, 0] + y * cell[m, 1] > level
-    if not some or size + 2 > CORNERS:
+    if not some or size + 2 > CELL_CORNERS:
         return size
     kept = 0
     for m in range(size):
@@ -106,53 +105,77 @@ def directions(cell: Array, size: int, points: Array, nearest: float, margin: fl
         Differences of hulls lie in a cone with its tip at the origin; what is beyond it by a few margins is turned by an angle
         that is small where differences are long. A cone wider than a half-plane is one, and what is behind is beyond it.
     """
-    first = last = np.zeros(2)
+    first = last = (0.0, 0.0)
     farthest, least = 0.0, np.inf
     for m in range(size):
         for t in range(len(points)):
-            apart = points[t] - cell[m]
+            apart = points[t, 0] - cell[m, 0], points[t, 1] - cell[m, 1]
             farthest = max(farthest, np.hypot(apart[0], apart[1]))
             if abs(apart[0]) + abs(apart[1]) <= margin:
                 continue  # in whatever direction
-            if not first.any():
+            if first == (0.0, 0.0):
                 first = last = apart
             elif _across(last, apart) > 0:
                 last = apart
             elif _across(first, apart) < 0:
                 first = apart
-    farthest += 2 * margin
-    centre = np.arctan2(first[1], first[0]) + np.arctan2(_across(first, last), first @ last) / 2
-    ahead, bound = np.array([np.cos(centre), np.sin(centre)]), 0.0
+    centre = np.arctan2(first[1], first[0]) + _angle(first, last) / 2
+    ahead = first = last = (np.cos(centre), np.sin(centre))
     for m in range(size):
         for t in range(len(points)):
-            apart = points[t] - cell[m]
-            least = min(least, ahead @ apart)
-            if abs(apart[0]) + abs(apart[1]) > margin:
-                bound = max(bound, abs(np.arctan2(_across(ahead, apart), ahead @ apart)))
-    beyond = 2 * margin + max(0.0, -least)  # out of a cone that is no wider than a half-plane
-    away = max(nearest, least) - 2 * beyond
+            apart = points[t, 0] - cell[m, 0], points[t, 1] - cell[m, 1]
+            if abs(apart[0]) + abs(apart[1]) <= margin:
+                least = min(least, 0.0)
+            else:
+                least = min(least, _along(ahead, apart))
+                first, last = apart if _across(first, apart) < 0 else first, apart if _across(last, apart) > 0 else last
+    # Out of a cone that is no wider than a half-plane: what is as near as nothing, and the margins of both sets.
+    beyond = 3 * margin + max(0.0, -least)
+    away, farthest = max(nearest, least) - 2 * beyond, farthest + 2 * margin
     if away <= 4 * beyond:
         return 0.0, np.pi, farthest
-    return wrapped(centre), min(bound, np.pi / 2) + 2 * beyond / away + 4 * ANGLE_ROUNDING, farthest
+    bound = max(_angle(ahead, last), -_angle(ahead, first)) if least >= 0 else np.pi / 2
+    return wrapped(centre), bound + 2 * beyond / away + 4 * ANGLE_ROUNDING, farthest
 
 
 @compiled
-def _across(a: Array, b: Array) -> float:
+def _across(a: tuple[float, float], b: tuple[float, float]) -> float:
     return a[0] * b[1] - a[1] * b[0]
 
 
 @compiled
-def pruned(pose: Pose, size: int, said: Said, scale: Scale) -> int:
-    """Cut a cell and its heading in place by everything that was said; return how many vertices are left, 0 if none."""
-    for _ in range(ROUNDS):
+def _along(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return a[0] * b[0] + a[1] * b[1]
+
+
+@compiled
+def _angle(a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Return the angle from one direction to another, in (-pi, pi] [rad]."""
+    return np.arctan2(_across(a, b), _along(a, b))
+
+
+@compiled
+def pruned(pose: Pose, size: int, said: Said, scale: Scale) -> tuple[int, int]:
+    """Cut a cell and its heading in place by everything that was said, in some rounds.
+
+    Return how many vertices are left, 0 if that is proved to be none, and how many rounds it took.
+    """
+    for count in range(1, ROUNDS + 1):
         before = area_of(pose[0][:size])
         for t in range(len(said.first) - 1):
             size = _seen(pose, size, t, said, scale)
             if size == 0:
-                return 0
+                return 0, count
         if area_of(pose[0][:size]) >= SHRUNK * before:
-            break
-    return size
+            return size, count
+    return size, ROUNDS
+
+
+@compiled
+def cuts_at_most(said: Said) -> float:
+    """Return how often a cell is cut at most, before it is split and by that."""
+    tangents_and_sides = 2 * np.pi / said.spacing + 4
+    return ROUNDS * len(said.sector) * tangents_and_sides + 1
 
 
 @compiled
@@ -160,7 +183,7 @@ def _seen(pose: Pose, size: int, t: int, said: Said, scale: Scale) -> int:
     """Cut a cell by the readings of one target."""
     cell, heading = pose
     points = said.points[said.point_first[t] : said.point_first[t + 1]]
-    nearest = _nearest(said, t)
+    nearest = nearest_of(said, t)
     centre, bound, farthest = directions(cell, size, points, nearest, scale.margin)
     apart = bound < np.pi or nearest > 0  # of what is in one place with the robot, bearings say nothing
     for q in range(said.first[t], said.first[t + 1]):
@@ -202,7 +225,7 @@ def _behind(cell: Array, size: int, line: Line, points: Array, scale: Scale) -> 
 
 
 @compiled
-def _nearest(said: Said, t: int) -> float:
+def nearest_of(said: Said, t: int) -> float:
     """Return the least distance to a target that ranges leave [m]."""
     nearest = 0.0
     for q in range(said.first[t], said.first[t + 1]):
@@ -214,57 +237,3 @@ def _nearest(said: Said, t: int) -> float:
 def wrapped(angle: float) -> float:
     """Return an angle in (-pi, pi] [rad]."""
     return angle - 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))
-
-
-@compiled
-def where_to_split(pose: Pose, size: int, said: Said, scale: Scale) -> tuple[float, float, float, float]:
-    """Return how badly a cell is too wide, and the line to split it along; one without a direction is for a heading.
-
-    For a range that is how far the chord of its directions is inside the circle, in widths of the band, or of the cell if that
-    is thinner; for the heading, how wide it is in the least bound of two bearings or more.
-    """
-    (cell, heading), worst, line, bearings, finest = pose, 0.0, (0.0, 0.0, 0.0), 0, np.inf
-    for t in range(len(said.first) - 1):
-        points = said.points[said.point_first[t] : said.point_first[t + 1]]
-        centre, bound, _ = directions(cell, size, points, _nearest(said, t), scale.margin)
-        x, y = points[:, 0].mean(), points[:, 1].mean()
-        extent = 2 * np.sqrt(((points[:, 0] - x) ** 2 + (points[:, 1] - y) ** 2).max())
-        for q in range(said.first[t], said.first[t + 1]):
-            value, half, least, greatest = said.sector[q]
-            if half < np.pi:
-                own = said.own[q]
-                bearings, finest = bearings + own, min(finest, half) if own else finest
-                way = wrapped(heading[0] + value) if own else value
-                narrowed = intersection(centre, bound, way, min(np.pi, half + heading[1] * own))
-                centre, bound = narrowed if narrowed[1] >= 0 else (centre, bound)
-            if greatest < np.inf:
-                across = min(greatest - least + extent, _width(cell, size, centre)) + scale.margin
-                need = least * (1 - np.cos(bound)) / across
-                if need > worst:
-                    worst, line = need, _line(cell, size, (centre, bound), (x, y))
-    need = heading[1] / max(finest, FINEST) if bearings >= WORTH_A_SLICE else 0.0
-    return (need, 0.0, 0.0, heading[0]) if need > worst else (worst, *line)
-
-
-@compiled
-def _width(cell: Array, size: int, direction: float) -> float:
-    """Return how wide a cell is along a direction [m]."""
-    low, high, x, y = np.inf, -np.inf, np.cos(direction), np.sin(direction)
-    for m in range(size):
-        along = x * cell[m, 0] + y * cell[m, 1]
-        low, high = min(low, along), max(high, along)
-    return high - low
-
-
-@compiled
-def _line(cell: Array, size: int, arc: tuple[float, float], point: tuple[float, float]) -> Line:
-    """Return a line through a point, in the middle of an arc or across the longer side; if that misses the cell, its middle."""
-    (centre, bound), (x, y) = arc, point
-    extent = np.array([np.ptp(cell[:size, 0]), np.ptp(cell[:size, 1])])
-    a, b = -np.sin(centre), np.cos(centre)
-    if bound >= np.pi:
-        a, b = (1.0, 0.0) if extent[0] >= extent[1] else (0.0, 1.0)
-    along = a * cell[:size, 0] + b * cell[:size, 1]
-    low, high, through = along.min(), along.max(), a * x + b * y
-    hair = OFF_THE_EDGE * (high - low)
-    return a, b, through if low + hair < through < high - hair else (low + high) / 2

@@ -1,5 +1,6 @@
 """What ranges and bearings of wide directions leave of each robot's poses: the hulls of cells, with its mates as sets."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,15 +8,16 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, Mask, read_only
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON
-from filter.geometry.many import Polygons
+from filter.geometry.many import Polygons, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
-from filter.sensing.branch import Tree, branch
+from filter.linear.sources import Sources
+from filter.sensing.branch import FEW_EDGES, Tree, branch
 from filter.sensing.cell import Said
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
 
-EDGES, MATES_EDGES = 24, 8  # so many rows on a robot are what its poses are cut from, and on a mate make it a set
+START_EDGES = 24  # so many rows on a robot are what its poses are cut from, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +29,7 @@ class Told(Frozen):
         target: (m,) of what.
         sector: (m, 4) see `cell`.
         own: (m,) whether the bearing is from the robot's own heading.
-        landmarks: (l, 2) [m].
+        headings: (n) before [rad].
         spacing: Greatest angle between two tangents of a range's far side [rad].
     """
 
@@ -35,11 +37,11 @@ class Told(Frozen):
     target: Integers
     sector: Array
     own: Mask
-    landmarks: Array
+    headings: AngularIntervals
     spacing: float
 
     @classmethod
-    def of(cls, readings: Readings, headings: AngularIntervals, landmarks: Array, spacing: float) -> "Told":
+    def of(cls, readings: Readings, headings: AngularIntervals, spacing: float) -> "Told":
         """Return what readings say, given the (n) headings [rad]."""
         _, bearings, ranges = readings
         count, robots = len(bearings.robot), len(headings)
@@ -56,21 +58,43 @@ class Told(Frozen):
         is_range = np.arange(len(robot)) >= 2 * count
         order = np.lexsort((is_range, target, robot))
         order = order[robot[order] < robots]
-        return cls(robot[order], target[order], sector[order], own[order], landmarks, spacing)
+        return cls(robot[order], target[order], sector[order], own[order], headings, spacing)
 
-    def said(self, robot: int, bodies: Polygons) -> Said:
-        """Return what was said of one robot, where its mates are sets (n) [m]."""
+    def said(self, robot: int, bodies: Mapping[int, Array]) -> Said:
+        """Return what was said of one robot, where bodies are sets, hulls of points (p, 2) [m]."""
         begin, end = np.searchsorted(self.robot, [robot, robot + 1])
         targets, first = np.unique(self.target[begin:end], return_index=True)
-        hulls = [
-            bodies.vertices[bodies.first[t] : bodies.first[t + 1]] if t < len(bodies) else self.landmarks[t - len(bodies)][None]
-            for t in targets.tolist()
-        ]
-        point_first = np.cumsum([0, *map(len, hulls)])
-        points = np.concatenate(hulls)
-        return Said(
-            self.sector[begin:end], self.own[begin:end], np.append(first, end - begin), points, point_first, self.spacing
-        )
+        points = [bodies[target] for target in targets.tolist()]
+        each, first = np.cumsum([0, *map(len, points)]), np.append(first, end - begin)
+        return Said(self.sector[begin:end], self.own[begin:end], first, np.concatenate(points), each, self.spacing)
+
+
+class Places:
+    """Where bodies can be, as sets with few edges; those of robots found in cells become smaller one after the other.
+
+    Attributes:
+        known: From which this is known.
+        starts: What the poses of each robot are cut from, corners (p, 2) of polygons by robots [m].
+        bodies: Corners (p, 2) of the sets that robots and landmarks are for others, by bodies [m].
+        margin: How far sets can reach beyond the hulls of their corners [m].
+    """
+
+    def __init__(self, known: Polytope, told: Told, robots: Integers, landmarks: Array) -> None:
+        """Begin with what is known of some robots (k,), and of those of which they are told."""
+        self.known, targets = known, np.unique(told.target[np.isin(told.robot, robots)])
+        mates = targets[targets < len(known.lower)]
+        starts, others = as_sets(known, robots, START_EDGES), as_sets(known, mates, FEW_EDGES)
+        self.starts = dict(zip(robots.tolist(), starts.corners(), strict=True))
+        self.bodies = dict(zip(mates.tolist(), others.corners(), strict=True))
+        self.bodies |= dict(enumerate(landmarks[:, None], len(known.lower)))
+        self.margin = float(max(starts.margin.max(initial=0), others.margin.max(initial=0)))
+
+    def take(self, case: "ByCases") -> None:
+        """Take over where a robot was found to be."""
+        rows, box = case.rows[case.rows[:, 3] > 0], (self.known.lower[[case.robot]], self.known.upper[[case.robot]])
+        group = np.zeros(1, dtype=np.int64), np.full(1, len(rows))
+        found = clip_boxes(np.ascontiguousarray(rows[:, :2]), rows[:, 2].copy(), group, *box).polygons
+        self.bodies[case.robot], self.margin = found.vertices, max(self.margin, float(found.margin[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,15 +102,17 @@ class ByCases(Frozen):
     """A proof that a robot is behind some half-planes, case by case: in none of the pieces of a tree is it anywhere else.
 
     Attributes:
-        known: The polytope whose rows on single robots the pieces are cut from, and their mates are.
+        known: The polytope whose rows on single robots, and those of the cases before, tell where robots can be (see `Places`).
+        sources: What produced the rows.
         headings: (n) before [rad].
         robot: Whose poses they are.
         tree: How they were split.
-        rows: (k, 3) normals and offsets [m].
+        rows: (k, 4) normals and offsets [m], and whether they are among the few that are enough for others.
         heading: (2,) centre and bound of what is left of its heading [rad].
     """
 
     known: Polytope
+    sources: Sources
     headings: AngularIntervals
     robot: int
     tree: Tree
@@ -100,28 +126,31 @@ class ByCases(Frozen):
         return Constraints(*who, self.rows[:, :2].copy(), self.rows[:, 2].copy(), np.full(count, source))
 
 
-def by_cases(known: Polytope, headings: AngularIntervals, told: Told, robot: int, cells: int) -> ByCases | None:
-    """Return what so many cells leave of one robot's poses, from its own rows and those of its mates; None if nothing."""
-    bodies, start = as_sets(known, MATES_EDGES), as_sets(known, EDGES).select(np.array([robot]))
-    said = told.said(robot, bodies)
-    origin = (known.lower[robot] + known.upper[robot]) / 2
-    far = np.abs(origin).max() + max(np.abs(start.vertices).max(), np.abs(said.points).max())
-    margin = max(start.margin.max(), bodies.margin.max()) + 8 * EPSILON * far
-    heading, tree = np.array([headings.centre[robot], headings.bound[robot]]), Tree.blank(cells)
+def by_cases(places: Places, sources: Sources, told: Told, robot: int, cells: int) -> ByCases | None:
+    """Return what so many cells leave of one robot's poses, from where bodies can be; None if that is proved to be nothing."""
+    start, said = places.starts[robot], told.said(robot, places.bodies)
+    origin = (start.min(axis=0) + start.max(axis=0)) / 2
+    far = np.abs(origin).max() + max(np.abs(start).max(), np.abs(said.points).max())
+    heading, tree = np.array([told.headings.centre[robot], told.headings.bound[robot]]), Tree.blank(cells)
     moved = said._replace(points=said.points - origin)
-    rows = branch(start.vertices - origin, heading, moved, margin, tree)
+    rows = branch(start - origin, heading, moved, places.margin + 8 * EPSILON * far, tree)
     if not len(rows):
         return None
     rows[:, 2] += rows[:, :2] @ origin + 8 * EPSILON * far
-    return ByCases(known, headings, robot, Tree(*map(read_only, tree)), rows, heading)
+    return ByCases(places.known, sources, told.headings, robot, Tree(*map(read_only, tree)), rows, heading)
 
 
-def as_sets(known: Polytope, edges: int) -> Polygons:
-    """Return (n) polygons around the robots, from no more than so many rows on each of them alone."""
-    rows = known.constraints
-    alone = known.with_constraints(rows.select(rows.i == WORLD))
-    few = known.with_constraints(prune(alone, edges, edges))
-    return few.of_robots(np.arange(len(known.lower))).polygons
+def rows_alone(known: Polytope, robots: Integers) -> Constraints:
+    """Return the rows on each of some robots alone."""
+    begin, end = known.constraints.groups(np.full(len(robots), WORLD), robots)
+    rows = [np.arange(*ends) for ends in zip(begin.tolist(), end.tolist(), strict=True)]
+    return known.constraints.select(np.concatenate([np.zeros(0, dtype=np.int64), *rows]))
+
+
+def as_sets(known: Polytope, robots: Integers, edges: int) -> Polygons:
+    """Return polygons around some robots (k,), from no more than so many rows on each of them alone."""
+    alone = known.with_constraints(rows_alone(known, robots))
+    return known.with_constraints(prune(alone, edges, edges)).of_robots(robots).polygons
 
 
 def _sectors(value: Array, bound: Array) -> Array:

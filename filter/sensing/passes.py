@@ -1,4 +1,4 @@
-"""Merging what was measured at one time, until it says nothing more at a glance.
+"""Merger what was measured at one time, until it says nothing more at a glance.
 
 Which rows a bearing makes depends on the heading, and which a range makes on the direction of its target. What the rows say of
 positions narrows both. So where a direction is wide there is another pass, from what the pass before has left of each robot's
@@ -15,12 +15,12 @@ from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
-from filter.linear.sources import Source
-from filter.sensing.cell import WORTH_A_SLICE
-from filter.sensing.cells import ByCases, Told, by_cases
+from filter.linear.sources import Source, Sources
+from filter.sensing.cells import ByCases, Places, Told, by_cases
 from filter.sensing.headings import narrowed_headings
 from filter.sensing.readings import Readings
 from filter.sensing.rows import bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
+from filter.sensing.split import WORTH_A_SLICE
 
 PASSES = 8  # at most; more than three are seldom worth it
 GAIN = 0.98  # another pass is worth it if something becomes smaller by this factor
@@ -31,8 +31,32 @@ LEFT_OF_A_HEADING = 0.8
 # Cells are worth it where a chord is so far inside, or a heading is wider than several bearings' bounds by this factor; and,
 INSIDE, WIDE_HEADING = 0.5, 1.0
 # where no more than a share of a robot's box is left, sooner: from these shares on.
-NEW, SOON, SOON_WIDE = 0.7, 0.03, 0.1
-TINY = 1e-12  # what is divided by is never smaller [m]
+NEW, SOON, SOON_HEADING = 0.7, 0.03, 0.1
+# They and another round are worth it for this share of all robots, by number or area, and while regions become smaller by it.
+WORTH_IT = 0.03
+SMALLEST_BAND = 1e-12  # what is divided by is never smaller [m]
+NO_ROBOTS = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Directions(Frozen):
+    """What one pass read the directions of targets from, at a glance.
+
+    Attributes:
+        readings: Of whom.
+        sources: What produced the rows of these polytopes:
+        known: for bearings, from which the headings follow;
+        seen: for ranges, with the rows of bearings.
+        headings: (n) after it [rad].
+        arcs: (r) the directions of ranges [rad].
+    """
+
+    readings: Readings
+    sources: Sources
+    known: Polytope
+    seen: Polytope
+    headings: AngularIntervals
+    arcs: AngularIntervals
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,23 +66,24 @@ class Merged(Frozen):
     Attributes:
         polytope: Where the team is, with the rows of what was measured.
         headings: (n) the robots' headings [rad].
-        cases: What was proved case by case.
+        evidence: What was found in cells, and then what each pass that counts has read directions from.
     """
 
     polytope: Polytope
     headings: AngularIntervals
-    cases: tuple[ByCases, ...] = ()
+    evidence: tuple[ByCases | Directions, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Merging(Frozen):
+class Merger(Frozen):
     """What is merged, and into what.
 
     Attributes:
         polytope: Where the team is before.
         headings: (n) the robots' headings before [rad].
         readings: What was measured.
-        numbers: (b + r + n,) the numbers of bearings, of ranges and of robots' cells in the belief's table of sources.
+        sources: The belief's table of sources, with those of
+        numbers: (b + r + n,) bearings, ranges and robots' cells.
         landmarks: (l, 2) [m].
         spacing: Greatest angle between two tangents of a range's far side [rad].
         cells: Into how many a robot's poses are split at most; 0 for never, and for one pass.
@@ -68,11 +93,12 @@ class Merging(Frozen):
     polytope: Polytope
     headings: AngularIntervals
     readings: Readings
+    sources: Sources
     numbers: Integers
     landmarks: Array
     spacing: float
     cells: int
-    again: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    again: Integers = field(default_factory=lambda: NO_ROBOTS)
 
     def merged(self, is_over: Callable[[], bool] = lambda: False) -> Merged:
         """Return the team's polytope with the rows of bearings and ranges, and the headings.
@@ -80,66 +106,77 @@ class Merging(Frozen):
         Raises `Inconsistent` if what is known and measured of a heading, or of one robot's pose, is proved to have nothing in
         common.
         """
-        known, headings, arcs = self._settled(is_over)
-        cold = self._cold(known, headings, arcs) if self.cells else self.again
-        if not len(cold) or is_over():
-            return Merged(known, headings)
-        fewer, cases = self._in_cells(cold, is_over)
-        known, headings, _ = fewer._settled(is_over)
-        return Merged(known, headings, cases)
+        merged, passes = self._settled(is_over)
+        wide = self._wide(merged, passes[-1]) if self.cells else NO_ROBOTS
+        if not len(wide) or is_over():
+            return Merged(merged, passes[-1].headings, tuple(passes))
+        fewer, cases = self._in_cells(wide, is_over)
+        merged, passes = fewer._settled(is_over)
+        return Merged(merged, passes[-1].headings, (*cases, *passes))
 
-    def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
-        """Return the polytope with rows, the headings, and (r) directions of ranges, after as many passes as are worth it."""
-        known, before = self.polytope, np.full(0, np.inf)
+    def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, list[Directions]]:
+        """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
+        known, before, passes = self.polytope, np.full(0, np.inf), list[Directions]()
         for _ in range(PASSES if self.cells else 1):
-            merged, headings, arcs = self._pass(known)
-            if not self._may_gain(merged, headings, arcs) or is_over():
+            merged, read = self._pass(known)
+            passes.append(read)
+            if not self._may_gain(merged, read) or is_over():
                 break
             known = boxed_at_a_glance(replace(merged, lower=known.lower, upper=known.upper))
-            now = np.concatenate([(known.upper - known.lower).sum(axis=1), headings.bound])
+            now = np.concatenate([(known.upper - known.lower).sum(axis=1), read.headings.bound])
             if len(before) and (now >= GAIN * before).all():
                 break
             before = now
-        return merged, headings, arcs
+        return merged, passes
 
-    def _cold(self, merged: Polytope, headings: AngularIntervals, arcs: AngularIntervals) -> Integers:
-        """Return the robots whose poses are worth to be found in cells: something is wide for what was measured."""
-        (_, bearings, ranges), (least, greatest), robots = self.readings, self.readings.ranges.interval(), len(headings)
-        worst, (who, whom) = np.zeros(robots + len(self.landmarks)), (ranges.robot, ranges.target)
-        inside = least * (1 - np.cos(arcs.bound)) / np.maximum(greatest - least, TINY)
-        np.maximum.at(worst, np.concatenate([who, whom]), np.tile(inside, 2))
+    def _wide(self, merged: Polytope, read: Directions) -> Integers:
+        """Return the robots that something is wide of, for what was measured: they are worth cells."""
+        (_, bearings, ranges), robots = self.readings, len(self.headings)
+        worst, by_heading = np.zeros(robots + len(self.landmarks)), np.zeros(robots)
+        np.maximum.at(worst, np.concatenate([ranges.robot, ranges.target]), np.tile(self._inside(read), 2))
         several = np.flatnonzero(np.bincount(bearings.robot, minlength=robots)[bearings.robot] >= WORTH_A_SLICE)
-        wide, seer = np.zeros(robots), bearings.robot[several]
-        np.maximum.at(wide, seer, headings.bound[seer] / np.maximum(bearings.bound[several], TINY))
-        suspects = np.flatnonzero((worst[:robots] > SOON) | (wide > SOON_WIDE))
+        seer, bound = bearings.robot[several], np.maximum(bearings.bound[several], SMALLEST_BAND)
+        np.maximum.at(by_heading, seer, read.headings.bound[seer] / bound)
+        by_range = worst[:robots]
+        suspects = np.flatnonzero((by_range > SOON) | (by_heading > SOON_HEADING))
         if not len(suspects):
             return suspects
         before, now = self.polytope, boxed_at_a_glance(merged)
-        new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
-        new[self.again] = True
-        return suspects[(new | (worst[:robots] > INSIDE) | (wide > WIDE_HEADING))[suspects]]
+        is_new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
+        is_new[self.again] = True
+        wide = suspects[(is_new | (by_range > INSIDE) | (by_heading > WIDE_HEADING))[suspects]]
+        areas = (now.upper - now.lower).prod(axis=1)
+        return wide if matter(wide, areas) else NO_ROBOTS
 
-    def _in_cells(self, robots: Integers, is_over: Callable[[], bool]) -> tuple["Merging", tuple[ByCases, ...]]:
+    def _inside(self, read: Directions) -> Array:
+        """Return (r,) how far the chords of ranges are inside their circles, in widths of their bands."""
+        least, greatest = self.readings.ranges.interval()
+        return np.asarray(least * (1 - np.cos(read.arcs.bound)) / np.maximum(greatest - least, SMALLEST_BAND))
+
+    def _in_cells(self, robots: Integers, is_over: Callable[[], bool]) -> tuple["Merger", list[ByCases]]:
         """Return what is merged into what cells leave of some robots' poses, and why."""
         nothing = AngularIntervals.circles(len(self.readings.bearings.robot))
-        headings, known, cases = narrowed_headings(self.headings, self.readings, nothing), self.polytope, list[ByCases]()
-        told = Told.of(self.readings, headings, self.landmarks, self.spacing)
-        numbers = self.numbers[len(self.numbers) - len(headings) :]
+        headings = narrowed_headings(self.headings, self.readings, nothing)
+        told = Told.of(self.readings, headings, self.spacing)
+        places = Places(self.polytope, told, robots, self.landmarks)
+        numbers, cases, rows = self.numbers[len(self.numbers) - len(headings) :], list[ByCases](), [self.polytope.constraints]
         for robot in robots.tolist():
             if is_over():
                 break
-            case = by_cases(known, headings, told, robot, self.cells)
+            case = by_cases(places, self.sources, told, robot, self.cells)
             if case is None:
                 time = self.readings.ranges.time
                 before = Source("region", time, robot), Source("heading", time, robot)
                 raise Inconsistent(f"at {time} s", [*before, *self.readings.concerning(robot)])
-            known = known.with_constraints(Constraints.concatenate([known.constraints, case.constraints(numbers[robot])]))
+            places.take(case)
+            rows.append(case.constraints(numbers[robot]))
             headings = headings.replaced(np.array([robot]), AngularIntervals(*case.heading[:, None]))
             cases.append(case)
-        return replace(self, polytope=known, headings=headings), tuple(cases)
+        known = self.polytope.with_constraints(Constraints.concatenate(rows))
+        return replace(self, polytope=known, headings=headings), cases
 
-    def _pass(self, known: Polytope) -> tuple[Polytope, AngularIntervals, AngularIntervals]:
-        """Return the polytope with rows, the headings, and the (r) directions of ranges, from what is known of the team.
+    def _pass(self, known: Polytope) -> tuple[Polytope, Directions]:
+        """Return the polytope with rows, from what is known of the team, and what of that was read.
 
         The directions that an earlier pass has made narrow are rows as well: the tangents of an arc do not bound its sides.
         """
@@ -154,7 +191,8 @@ class Merging(Frozen):
         rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing))]
         if known is not self.polytope:
             rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers)))
-        return self.polytope.with_constraints(Constraints.concatenate(rows)), headings, arcs
+        merged = self.polytope.with_constraints(Constraints.concatenate(rows))
+        return merged, Directions(self.readings, self.sources, known, seen, headings, arcs)
 
     def _on_robots(self, rows: Constraints) -> Constraints:
         return on_robots(rows, self.polytope, self.landmarks)
@@ -172,15 +210,26 @@ class Merging(Frozen):
         begin, end = (np.searchsorted(keys[0][order], keys[1], side) for side in ("left", "right"))
         return spans.turned(turned[1]).narrowed(begin, end, ways.turned(turned[0])[order]).turned(turned[1])
 
-    def _may_gain(self, merged: Polytope, headings: AngularIntervals, arcs: AngularIntervals) -> bool:
+    def _may_gain(self, merged: Polytope, read: Directions) -> bool:
         """Return whether some direction is wide for its range, or some bearing would narrow a heading now."""
-        bearings, (least, greatest) = self.readings.bearings, self.readings.ranges.interval()
-        if (least * (1 - np.cos(arcs.bound)) > SAGITTA * (greatest - least)).any():
+        if (self._inside(read) > SAGITTA).any():
             return True
-        left = LEFT_OF_A_HEADING * headings.bound[bearings.robot] - bearings.bound
+        bearings = self.readings.bearings
+        left = LEFT_OF_A_HEADING * read.headings.bound[bearings.robot] - bearings.bound
         some = np.flatnonzero(left > 0)
         spans = spans_of_targets(merged, self.landmarks, bearings.robot[some], bearings.target[some])
         return bool((spans.bound < left[some]).any())
+
+
+def matter(robots: Integers, areas: Array) -> bool:
+    """Return whether some robots are not few among (n,) regions of some areas [m2]."""
+    return len(robots) >= WORTH_IT * len(areas) or bool(areas[robots].sum() >= WORTH_IT * areas.sum())
+
+
+def are_smaller(now: Array, before: Array) -> bool:
+    """Return whether (n,) areas have become smaller than before [m2], all together or most of them."""
+    shares = np.divide(now, before, out=np.ones(len(now)), where=before > 0)
+    return bool(min(now.sum() / max(before.sum(), np.finfo(float).tiny), shares.mean()) < 1 - WORTH_IT)
 
 
 def boxed_at_a_glance(polytope: Polytope) -> Polytope:

@@ -11,7 +11,7 @@ from filter.measurements import Bearing, Compass, Measurement, Range, field_name
 
 KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range"}
 WHO = ("robot", "target")
-EMPTY = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
+NO_VALUES = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
 Record = TypeVar("Record", Compass, Bearing, Range)
 
 
@@ -63,7 +63,9 @@ def _sorted(kind: type[Record], time: float, measurements: Sequence[Measurement]
 
 def _columns(kind: type[Measurement], records: Sequence[Any]) -> dict[str, Any]:
     names = field_names(kind)
-    parts = [np.concatenate([EMPTY[name in WHO], *(getattr(each, name) for each in records)]) + 0 for name in names]  # no -0.0
+    parts = [
+        np.concatenate([NO_VALUES[name in WHO], *(getattr(each, name) for each in records)]) + 0 for name in names
+    ]  # no -0.0
     order = np.lexsort(parts[::-1])
     columns = [column[order] for column in parts]
     new = np.ones(len(order), dtype=bool)

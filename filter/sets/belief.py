@@ -19,6 +19,7 @@ from filter.measurements import Odometry
 from filter.projection.claims import Outlines, Weights
 from filter.projection.fallback import Fallback
 from filter.sensing.cells import ByCases
+from filter.sensing.passes import Directions
 from filter.sets.regions import Regions
 
 
@@ -95,6 +96,9 @@ class Proof(Frozen):
         return self.weights.rests_on(claim)
 
 
+Evidence = Proof | ByCases | Directions
+
+
 @dataclass(frozen=True, eq=False)
 class Moved:
     """What a prediction was made from, so that the next update can say whether the motion is at fault.
@@ -121,8 +125,8 @@ class Belief:
         found: (n) where each robot is, as the last update found; None at the start and after a prediction.
         events: What the last update dropped, and where its walks and solvers failed.
         proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
-            were projected, as of the last update, before each what was proved case by case for it; where an update took
-            several rounds, one after the other. None after a prediction.
+            were projected, as of the last update; before them what was proved case by case, and what directions were read
+            from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
     """
 
@@ -133,7 +137,7 @@ class Belief:
     guarantee: Guarantee
     found: Regions | None = None
     events: tuple[Event, ...] = ()
-    proofs: tuple[Proof | ByCases, ...] = ()
+    proofs: tuple[Evidence, ...] = ()
     moved: Moved | None = None
 
     @cached_property

@@ -39,9 +39,9 @@ def moved(belief: Belief, time: float, moves: Displacements, arena: Array, corne
 
 
 def rows_through_corners(belief: Belief, moves: Displacements) -> tuple[Constraints, Sources]:
-    """Return rows through corners of the polygons of all robots, pairs that the last update proved something of, and sources.
+    """Return rows through corners of polygons, and sources: of all robots and pairs that the last update proved something of.
 
-    Their normals are those of the edges of what the robots' displacements, or the differences of those, can be.
+    The normals are those of the edges of what the robots' displacements, or the differences of those, can be.
     """
     polytope, bodies = belief.polytope, len(belief.headings) + 1
     proofs = (*belief.proofs_of("regions"), *belief.proofs_of("pairs"))

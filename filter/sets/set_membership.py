@@ -20,8 +20,9 @@ from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
+from filter.sensing.cells import ByCases
 from filter.sensing.motion import displacements, turned_headings
-from filter.sensing.passes import Merging
+from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.belief import Belief, Moved
@@ -32,7 +33,6 @@ from filter.sets.rejection import agreeing
 from filter.team import Team
 
 Policy = Literal["raise", "reject"]
-ANOTHER_ROUND = 0.97  # areas have to fall by this factor for another round to be worth it
 PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
 
 
@@ -96,7 +96,7 @@ class SetMembershipFilter(Frozen):
 
         The options are its other attributes, and those that are to be different after all.
         """
-        return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, **options})
+        return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, "cells": 16, **options})
 
     def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
@@ -176,12 +176,14 @@ class SetMembershipFilter(Frozen):
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         """Merge and project; while what cells found of robots that measured one another makes regions smaller, once more."""
         readings = Readings.of(belief.time, measurements)
-        found, again = self._round(belief, readings, is_over, np.zeros(0, dtype=np.int64))
+        found, again = self._round(belief, readings, is_over, NO_ROBOTS)
         while len(again) and readings.tie_robots(self.team.robots) and not is_over():
-            before = found.regions.outer.areas.sum()
+            areas = found.regions.outer.areas
+            if not matter(again, areas):
+                break
             later, again = self._round(found, readings, is_over, again)
             found = replace(later, proofs=found.proofs + later.proofs, events=found.events + later.events)
-            if found.regions.outer.areas.sum() > ANOTHER_ROUND * before:
+            if not are_smaller(found.regions.outer.areas, areas):
                 break
         return found.compact()
 
@@ -191,15 +193,15 @@ class SetMembershipFilter(Frozen):
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         team = self.team.landmarks, self.tangent_spacing, self.cells
-        merged = Merging(belief.polytope, belief.headings, readings, numbers, *team, again).merged(is_over)
+        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
         known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
         self.on_phase("project")
         found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")
         found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
-        cells = np.array([case.robot for case in merged.cases], dtype=np.int64)
-        return replace(found, polytope=self._pruned(found.polytope), proofs=merged.cases + found.proofs), cells
+        cells = np.array([each.robot for each in merged.evidence if isinstance(each, ByCases)], dtype=np.int64)
+        return replace(found, polytope=self._pruned(found.polytope), proofs=merged.evidence + found.proofs), cells
 
     @property
     def _projector(self) -> Projector:

@@ -19,7 +19,7 @@ from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
-from filter.sensing.passes import Merging
+from filter.sensing.passes import Merger
 from filter.sensing.readings import Readings
 from filter.sets.belief import Proof
 from filter.sets.set_membership import SetMembershipFilter
@@ -57,8 +57,8 @@ def merged_team(seed, robots=5, errors="uniform", steps=2):
 def merging(belief, records, team, spacing, cells=64):
     """Return what is to be merged of records into a belief."""
     readings = Readings.of(belief.time, records)
-    _, numbers = readings.numbered(belief.sources, team.robots)
-    return Merging(belief.polytope, belief.headings, readings, numbers, team.landmarks, spacing, cells)
+    sources, numbers = readings.numbered(belief.sources, team.robots)
+    return Merger(belief.polytope, belief.headings, readings, sources, numbers, team.landmarks, spacing, cells)
 
 
 def with_records(estimator, belief, records):

@@ -11,8 +11,8 @@ from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Range
-from filter.sensing.cell import CORNERS, Scale, cut, directions
-from filter.sensing.cells import Told, as_sets, by_cases
+from filter.sensing.cell import CELL_CORNERS, Scale, cut, directions
+from filter.sensing.cells import Places, Told, as_sets, by_cases
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -59,8 +59,10 @@ def measured(rng, team, positions, headings, tight):
 
 def found(team, boxes, headings, records, robot=0):
     belief = SetMembershipFilter(team).start(0.0, boxes, headings)
-    told = Told.of(Readings.of(0.0, records), headings, team.landmarks, SPACING)
-    return by_cases(belief.polytope, headings, told, robot, 64) if (told.robot == robot).any() else None
+    told = Told.of(Readings.of(0.0, records), headings, SPACING)
+    if not (told.robot == robot).any():
+        return None
+    return by_cases(Places(belief.polytope, told, np.array([robot]), team.landmarks), belief.sources, told, robot, 64)
 
 
 @given(
@@ -158,9 +160,9 @@ def test_a_cut_is_the_intersection_with_a_half_plane(seed):
     corners = Polygon.hull(rng.normal(size=(8, 2))).vertices
     angle, offset = rng.uniform(-np.pi, np.pi), rng.normal()
     x, y = np.cos(angle), np.sin(angle)
-    cell = np.empty((CORNERS, 2))
+    cell = np.empty((CELL_CORNERS, 2))
     cell[: len(corners)] = corners
-    size = cut(cell, len(corners), (x, y, offset), Scale(10.0, 1e-9, np.empty((CORNERS + 2, 2))))
+    size = cut(cell, len(corners), (x, y, offset), Scale(10.0, 1e-9, np.empty((CELL_CORNERS + 2, 2))))
     beside = [(offset * x + a * y - b * x, offset * y - a * x - b * y) for a, b in ((9, 0), (9, 20), (-9, 20), (-9, 0))]
     left = shapely.Polygon(corners).intersection(shapely.Polygon(beside)).area
     assert (shapely.Polygon(cell[:size]).area if size > 2 else 0.0) == pytest.approx(left, abs=1e-9)
@@ -170,6 +172,6 @@ def test_mates_as_sets_contain_what_their_rows_leave():
     rng = np.random.default_rng(3)
     polygons = [Polygon.from_vertices(rng.normal(size=(40, 2))) for _ in range(3)]
     belief = SetMembershipFilter(Team(3, np.zeros((0, 2)), 0.5, 1.0)).start(0.0, polygons)
-    for few, polygon in zip(as_sets(belief.polytope, 8), polygons, strict=True):
+    for few, polygon in zip(as_sets(belief.polytope, np.arange(3), 8), polygons, strict=True):
         assert len(few.vertices) <= 12
         assert few.contains(polygon.vertices * (1 - 1e-9) + 1e-9 * polygon.centroid).all()

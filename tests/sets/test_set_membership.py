@@ -127,6 +127,7 @@ def test_a_light_filter_is_light_but_for_what_is_asked():
     assert SetMembershipFilter.light(TEAM).pairs == 0
     assert SetMembershipFilter(TEAM).corners
     assert not SetMembershipFilter.light(TEAM).corners
+    assert SetMembershipFilter.light(TEAM).cells < SetMembershipFilter(TEAM).cells
 
 
 WAYS = {

@@ -109,7 +109,6 @@ def run(options: Options) -> int:
         solvers=SOLVERS if options.solver == EXACT else (options.solver, *SOLVERS),
         scope=Window.everybody() if options.hops is None else Window(options.hops),
         policy=options.policy,
-        cells=0 if options.certificates else SetMembershipFilter.cells,
     )
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)

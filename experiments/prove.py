@@ -23,7 +23,7 @@ from experiments.proof.chain import Chain
 from experiments.proof.edges import WORLD
 from experiments.proof.log import Frame, Log
 from experiments.proof.reading import Broken, Feed, Record, located
-from experiments.proof.recorded import check_recording
+from experiments.proof.recording.recorded import check_recording
 from experiments.proof.shown import Region, checked_region
 from experiments.proof.told import Told
 
@@ -47,7 +47,7 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     for frame in log.frames:
         chain.check(headings.at(frame.time), lines.at(frame.time))
         proved.append(regions_of(frame, regions.at(frame.time), chain))
-        told.add(frame, proved[-1], chain.edges, chain.headings)
+        told.add(frame, proved[-1], chain.shown, chain.headings)
     for feed in (headings, lines, regions):
         feed.end()
     counts = Counter({"certificates": chain.lines, **chain.links}) + _shown(folder, told, log.frames, proved)
@@ -76,7 +76,7 @@ def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> l
     regions = []
     for robot, region in enumerate(record["regions"]):
         with located(f"{place} (t = {frame.time} s, robot {robot})"):
-            regions.append(checked_region(region, chain.edges.get((WORLD, robot), {})))
+            regions.append(checked_region(region, chain.shown.get((WORLD, robot), {})))
     return regions
 
 

@@ -24,7 +24,10 @@ from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
-from filter.sets.belief import Belief, Event, Proof, Rejected
+from filter.sensing.cells import ByCases
+from filter.sensing.passes import Directions
+from filter.sets.belief import Belief, Event, Rejected
+from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
 from filter.team import Team
@@ -35,7 +38,8 @@ __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Range", "T
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "follow", "warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
-__all__ += ["Alarm", "Belief", "Event", "Fallback", "Guarantee", "Proof", "Region", "Regions", "Rejected", "Source"]
+__all__ += ["Alarm", "Belief", "ByCases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof", "Region"]
+__all__ += ["Regions", "Rejected", "Source"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]

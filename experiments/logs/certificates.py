@@ -7,8 +7,12 @@ normal . (x_j - x_i) <= offset, or of x_j alone where i is -1.
 
 A line with a `side` says of a robot's target, that one, that it is to one side of the robot: its direction is known then.
 
-`headings.jsonl.gz` beside it holds each step's heading intervals, and the sides that bearings have narrowed them by;
-`regions.jsonl.gz` the regions with the very numbers that recordings, trajectories and summaries show.
+A line with `pieces` was found case by case: a robot is behind all half-planes of its `claims`, as that is so of each piece that
+its poses were split into, cut by all that was measured of it. Its `rows` are of the robot alone, or of a mate alone, without
+multipliers.
+
+`headings.jsonl.gz` beside it holds each step's heading intervals, as often as they became narrower, with the lines that have to
+be proved before; `regions.jsonl.gz` the regions with the very numbers that recordings, trajectories and summaries show.
 """
 
 from __future__ import annotations
@@ -16,19 +20,25 @@ from __future__ import annotations
 import gzip
 import json
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from experiments.logs.sides import Sighted, sides_behind_headings, sides_behind_ranges
-from filter import Array, Belief, InvalidInput, Polygon, Proof, Source, Step
-from filter.sensing.cells import ByCases
+import numpy as np
+
+from experiments.logs.cases import case_record
+from experiments.logs.exactly import hexadecimal, region_record, row_record, source_record
+from experiments.logs.sides import Sighted, Sights, boxes_at_a_glance, sides_of_bearings, sides_of_ranges
+from filter import AngularIntervals, Array, Belief, ByCases, Directions, Evidence, Integers, Proof, Step
+from filter.linear.sources import Sources
 
 FILE = "certificates.jsonl.gz"
 HEADINGS = "headings.jsonl.gz"
 REGIONS = "regions.jsonl.gz"
-VERSION = 2  # of the format, in every line
+VERSION = 3  # of the format, in every line
 FAST = 3  # of gzip's nine levels: twice as fast as the usual one, and the file a tenth larger
+Part = Proof | Sighted | ByCases | AngularIntervals
 
 
 class Certificates:
@@ -41,18 +51,42 @@ class Certificates:
     def write(self, step: Step[Belief]) -> None:
         """Append all that the headings and regions of a step rest on, and the regions as they are shown."""
         belief, time = step.belief, {"version": VERSION, "t": step.belief.time.hex()}
-        arcs, landmarks = belief.headings, self._landmarks
-        columns = {"centre": hexadecimal(arcs.centre), "bound": hexadecimal(arcs.bound)}
-        self._write(HEADINGS, [{**time, **columns, "sides": side_records(belief.time, sides_behind_headings(step, landmarks))}])
-        lines = [line for proof in self._proofs(belief) for line in records(belief.time, proof)]
-        self._write(FILE, [*side_records(belief.time, sides_behind_ranges(step, landmarks)), *lines])
+        headings, lines, cases = list[dict[str, Any]](), list[dict[str, Any]](), dict[int, ByCases]()
+        readings = next(each.readings for each in belief.proofs if isinstance(each, Directions))
+        for part in self._parts(belief):
+            if isinstance(part, AngularIntervals):
+                columns = {"centre": hexadecimal(part.centre), "bound": hexadecimal(part.bound)}
+                headings.append({**time, **columns, "lines": lines})
+                lines, cases = [], {}
+            elif isinstance(part, ByCases):
+                lines.append({**time, **case_record(part, readings, cases)})
+                cases[part.robot] = part
+            else:
+                found = records(part) if isinstance(part, Proof) else side_records(part)
+                lines += [{**time, **line} for line in found]
+        self._write(HEADINGS, headings)
+        self._write(FILE, lines)
         self._write(REGIONS, [{**time, "regions": [region_record(region.outer) for region in belief.regions]}])
 
-    def _proofs(self, belief: Belief) -> list[Proof]:
-        """Return what can be proved again."""
-        if any(isinstance(proof, ByCases) for proof in belief.proofs):
-            raise InvalidInput("a belief of a filter with cells=0, as certificates know no cells", "one with cells")
-        return [proof for proof in belief.proofs if isinstance(proof, Proof)]
+    def _parts(self, belief: Belief) -> list[Part]:
+        """Return all that has to be proved of a step, in order; headings are proved from what is before them.
+
+        Of ranges those sides are there that something later rests on.
+        """
+        parts, used = list[Part](), ranges_at(belief.time, belief.sources, belief.constraints.source)
+        for before, each in reversed(list(pairwise((None, *belief.proofs)))):
+            now = self._read(each, before, used) if isinstance(each, Directions) else [each] if each else []
+            parts = now + parts
+            for proof in (part[0] if isinstance(part, tuple) else part for part in now):
+                if isinstance(proof, Proof):
+                    used |= ranges_at(belief.time, proof.sources, proof.polytope.constraints.source[proof.weights.row])
+        return parts
+
+    def _read(self, read: Directions, before: Evidence | None, used: Sights) -> list[Part]:
+        """Return what a pass has read, if another one was before it, from the boxes that one left."""
+        boxes: list[Part] = [boxes_at_a_glance(read, before)] if isinstance(before, Directions) else []
+        sides = sides_of_bearings(read, self._landmarks), sides_of_ranges(read, self._landmarks, used)
+        return [*boxes, sides[0], read.headings, sides[1]]
 
     def close(self) -> None:
         """Close the files."""
@@ -74,18 +108,10 @@ def _packed(path: Path) -> gzip.GzipFile:
     return gzip.GzipFile(path, "wb", FAST, mtime=0)
 
 
-def records(time: float, proof: Proof) -> list[dict[str, Any]]:
+def records(proof: Proof) -> list[dict[str, Any]]:
     """Return the certificate of every claim of a proof."""
     rows = proof.polytope.constraints
-    of_rows = {
-        row: {
-            "i": int(rows.i[row]),
-            "j": int(rows.j[row]),
-            "normal": hexadecimal(rows.normal[row]),
-            "offset": float(rows.offset[row]).hex(),
-        }
-        for row in set(proof.weights.row.tolist())
-    }
+    of_rows = {row: row_record(rows, row) for row in set(proof.weights.row.tolist())}
     lower, upper = proof.polytope.lower, proof.polytope.upper
     found = []
     for claim, (robot, seen_from) in enumerate(zip(proof.j.tolist(), proof.i.tolist(), strict=True)):
@@ -94,8 +120,6 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
         bodies = sorted({robot, seen_from, *rows.i[used].tolist(), *rows.j[used].tolist()} - {-1})
         found.append(
             {
-                "version": VERSION,
-                "t": float(time).hex(),
                 "robot": robot,
                 "from": seen_from,
                 "normal": hexadecimal(proof.normal[claim]),
@@ -109,23 +133,13 @@ def records(time: float, proof: Proof) -> list[dict[str, Any]]:
     return found
 
 
-def side_records(time: float, sides: Sighted) -> list[dict[str, Any]]:
+def side_records(sides: Sighted) -> list[dict[str, Any]]:
     """Return the certificates of sides, each with the target that it is about."""
     proof, about = sides
-    return [{**line, "side": target} for line, target in zip(records(time, proof), about.tolist(), strict=True)]
+    return [{**line, "side": target} for line, target in zip(records(proof), about.tolist(), strict=True)]
 
 
-def region_record(outer: Polygon) -> dict[str, Any]:
-    """Return a region as recordings, trajectories and summaries show it."""
-    vertices = [hexadecimal(vertex) for vertex in outer.vertices]
-    return {"vertices": vertices, "area": float(outer.area).hex(), "estimate": hexadecimal(outer.centroid)}
-
-
-def source_record(source: Source) -> dict[str, Any]:
-    """Return what produced a row, as JSON."""
-    return {"kind": source.kind, "t": source.time.hex(), "robot": source.robot, "target": source.target}
-
-
-def hexadecimal(values: Array) -> list[str]:
-    """Return floats as C99 hexadecimal strings."""
-    return [value.hex() for value in values.tolist()]
+def ranges_at(time: float, sources: Sources, numbers: Integers) -> set[tuple[int, int | None]]:
+    """Return robot and target of each range of a time among some sources."""
+    named = map(sources.__getitem__, np.unique(numbers).tolist())
+    return {(one.robot, one.target) for one in named if one.kind == "range" and one.time == time}

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import pi
 
+from experiments.proof.cells import check_cases
 from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner
 from experiments.proof.exact import Arc, Motion, Vector, arc_around, in_common
 from experiments.proof.line import check
@@ -27,11 +28,13 @@ class Chain:
     Attributes:
         links: How many links of each kind there were, all of them proved.
         lines: How many certificates there were.
+        shown: What the last step's certificates have proved of each robot and pair, after all that its headings rest on.
     """
 
     def __init__(self, log: Log) -> None:
         self.links: Counter[str] = Counter()
         self.lines = 0
+        self.shown: Edges = {}
         self._log = log
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
         self._history: list[list[Motion] | None] = []  # by frames, as are the next two
@@ -39,6 +42,7 @@ class Chain:
         self._instants: list[Instant] = []
         self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
+        self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
 
     @property
     def headings(self) -> Sequence[Arc]:
@@ -64,9 +68,10 @@ class Chain:
         frame = self._begin()
         for place, record in headings:
             with located(place):
-                for line in record["sides"]:
+                for line in record["lines"]:
                     self.prove(line)
                 self._narrow(frame, record)
+        self.shown = {}
         for place, line in lines:
             with located(f"{place} (t = {frame.time} s, robot {shown(line.get('robot'))})"):
                 self.prove(line)
@@ -80,14 +85,24 @@ class Chain:
         self.lines += 1
         if float(exact(line["t"])) != self._instants[-1].frame.time:
             raise Broken("a line of another time than its frame's")
-        check(line)
+        if "pieces" not in line:
+            check(line)
         self._check_boxes(line)
         for row, source in zip(line["rows"], line["sources"], strict=True):
             self._check_row(row, source)
-        if "side" in line:
+        if "pieces" in line:
+            self._case_by_case(line)
+        elif "side" in line:
             self.sides.add(line)
         else:
-            self._claim((line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"]))
+            self._claim(line)
+
+    def _case_by_case(self, line: Record) -> None:
+        robot = line["robot"]
+        self._looks[robot] = in_common(self._looks[robot], [check_cases(line, self._instants[-1])])
+        for claim in line["claims"]:
+            _add(self.edges, (WORLD, robot), plane(claim["normal"]), exact(claim["offset"]))
+        self.links["robots, case by case"] += 1
 
     def _begin(self) -> Frame:
         log, number = self._log, len(self._history)
@@ -96,7 +111,7 @@ class Chain:
         self._history.append(log.motions(frame, since, before))
         self._proved.append({})
         self._instants.append(Instant(log, frame, log.turned(frame, since, before), Sides(log.robots, log.landmarks)))
-        self._seen = set()
+        self._seen, self._looks = set(), list(self.headings)
         return frame
 
     def _narrow(self, frame: Frame, record: Record) -> None:
@@ -107,12 +122,12 @@ class Chain:
         ]
         if len(claimed) != self._log.robots:
             raise Broken(f"headings of {len(claimed)} robots, where there are {self._log.robots}")
-        for robot, (known, claim) in enumerate(zip(self.headings, claimed, strict=True)):
-            alone = in_common(known, compasses(frame, robot))
+        for robot, claim in enumerate(claimed):
+            alone = self._looks[robot] = in_common(self._looks[robot], compasses(frame, robot))
             if claim.covers(alone):
                 self.links["headings, from odometry and compasses"] += 1
                 continue
-            proved = in_common(alone, self.sides.headings(frame, robot))
+            proved = self._looks[robot] = in_common(alone, self.sides.headings(frame, robot))
             if not claim.covers(proved):
                 raise Broken(
                     f"the heading of robot {robot} is not proved: {_degrees(claim)} is claimed, {_degrees(proved)} proved"
@@ -120,9 +135,10 @@ class Chain:
             self.links["headings, from bearings, too"] += 1
         self._instants[-1].headings = claimed
 
-    def _claim(self, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
-        edges = self.edges.setdefault(pair, {})
-        edges[normal] = min(offset, edges.get(normal, offset))
+    def _claim(self, line: Record) -> None:
+        pair, normal, offset = (line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"])
+        for edges in (self.edges, self.shown):
+            _add(edges, pair, normal, offset)
 
     def _support(self, number: int, body: int, normal: Vector) -> Fraction:
         motions = self._history[number]
@@ -145,7 +161,7 @@ class Chain:
                 offset = sign * exact(line[side][text][k])
                 if offset < needed:
                     raise Broken(f"the {side} side of robot {robot}'s box lies {float(needed - offset):.3g} m too far inside")
-                self._claim((WORLD, robot), normal, offset)
+                _add(self.edges, (WORLD, robot), normal, offset)
             self.links["boxes, from edges, motion and the arena"] += 1
 
     def _before(self, robot: int, sign: int, k: int) -> Fraction:
@@ -160,7 +176,7 @@ class Chain:
         self._seen.add(key)
         offset, normal, pair = exact(row["offset"]), plane(row["normal"]), (row["i"], row["j"])
         now, kind, time = len(self._proved) - 1, source["kind"], float(exact(source["t"]))
-        link = self._of_edges(pair, normal, offset, self._number(time) if kind == "region" else now - 1)
+        link = self._of_edges(pair, normal, offset, self._number(time) if kind in ("region", "cells") else now - 1)
         if link is None and row["i"] < 0 and not now:
             start = max(normal[0] * x + normal[1] * y for x, y in self._log.vertices[row["j"]])
             link = "rows of initial sets" if start + self._support(0, row["j"], normal) <= offset else None
@@ -203,6 +219,11 @@ class Chain:
             total += self._support(later, j, normal) + (self._support(later, i, back) if i >= 0 else 0)
         self._grown[row] = len(self._history) - 1, total
         return total
+
+
+def _add(edges: Edges, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
+    known = edges.setdefault(pair, {})
+    known[normal] = min(offset, known.get(normal, offset))
 
 
 def _degrees(arc: Arc) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import atan2, ceil, floor, isqrt, pi
+from math import atan2, ceil, cos, floor, isqrt, pi, sin
 
 Vector = tuple[Fraction, Fraction]
 Between = tuple[Fraction, Fraction]  # lower and upper bound
@@ -14,7 +14,8 @@ PI_ROUNDING = Fraction(1, 10**40)
 CIRCLE = Fraction(4)  # more than half a turn
 TURNS = 1000  # an angle of more turns is refused
 DIGITS, KEPT = 200, 110  # binary digits after the point: of the series, and of what is rounded outward
-TERMS = 60
+TERMS = 32
+ALMOST = 1e-9  # what floats say of angles is not wrong by more [rad]
 FINE = Fraction(1, 1 << 90)  # how well the angle of a vector is known [rad]
 
 
@@ -32,22 +33,25 @@ def length(vector: Vector) -> Fraction:
 def unit(angle: Fraction) -> tuple[Between, Between]:
     """Return bounds of cosine and sine.
 
-    Reduced to half a turn, so that 60 terms of the series leave 3.2^60 / 60! < 2^-170. Each term is rounded down by one
-    of 2^-200, which later terms multiply by e^3.2 at most, and pi is known to 10^-40: less than 2^-110 in all.
+    Reduced to an eighth of a turn to either side, so that 32 terms of the series leave 0.8^32 / 32! < 2^-120. Each term is
+    rounded down by one of 2^-200, which later terms multiply by e^0.8 at most, and pi is known to 10^-40: less than 2^-110 in
+    all.
 
     Raises:
         ValueError: The angle is of more than 1000 turns.
     """
-    turns = round(angle / (2 * PI))
-    if abs(turns) > TURNS:
-        raise ValueError(f"an angle of {turns} turns")
-    reduced = angle - 2 * turns * PI
+    quarters = round(angle / (PI / 2))
+    if abs(quarters) > 4 * TURNS:
+        raise ValueError(f"an angle of {quarters // 4} turns")
+    reduced = angle - quarters * PI / 2
     x = (reduced.numerator << DIGITS) // reduced.denominator
     term, sums = 1 << DIGITS, [0, 0]
     for n in range(TERMS):
         sums[n % 2] += term if n % 4 < 2 else -term
         term = (term * x >> DIGITS) // (n + 1)
     cosine, sine = (value >> (DIGITS - KEPT) for value in sums)
+    for _ in range(quarters % 4):
+        cosine, sine = -sine - 1, cosine
     scale = 1 << KEPT
     return (Fraction(cosine - 1, scale), Fraction(cosine + 2, scale)), (Fraction(sine - 1, scale), Fraction(sine + 2, scale))
 
@@ -118,6 +122,8 @@ class Arc:
 
     def turned(self, turns: int) -> "Arc":
         """Return the same directions, so many whole turns on; errs outward."""
+        if not turns:
+            return self
         by, rounding = 2 * turns * PI, 2 * abs(turns) * PI_ROUNDING
         return Arc(self.low + by - rounding, self.high + by + rounding)
 
@@ -126,6 +132,12 @@ def arc_around(centre: float, bound: float) -> Arc:
     """Return an arc; a bound of half a turn, as nearly as floats say it, is the whole circle."""
     reach = Fraction(bound) if bound < pi else CIRCLE
     return Arc(Fraction(centre) - reach, Fraction(centre) + reach)
+
+
+def once_around(arc: Arc) -> Arc:
+    """Return the same directions by an arc of one turn at most."""
+    middle, half = (arc.low + arc.high) / 2, PI + PI_ROUNDING
+    return Arc(max(arc.low, middle - half), min(arc.high, middle + half))
 
 
 def in_common(known: Arc, arcs: Sequence[Arc]) -> Arc:
@@ -139,17 +151,45 @@ def in_common(known: Arc, arcs: Sequence[Arc]) -> Arc:
     return known
 
 
+def are_apart(a: Arc, b: Arc) -> bool:
+    """Return whether two arcs have no direction in common, for sure."""
+    return not _pieces(a, b)
+
+
+def half_circle(normal: Vector) -> Arc:
+    """Return an arc around the directions u with normal . u <= 0.
+
+    Raises:
+        ValueError: The normal has no direction.
+    """
+    low, high = angle_of(normal)
+    return Arc(low + PI / 2 - PI_ROUNDING, high + 3 * PI / 2 + PI_ROUNDING)
+
+
+def half_circle_about(angle: float) -> tuple[Vector, Arc]:
+    """Return a normal nearly opposite to a direction [rad], and an arc around the directions u with normal . u <= 0."""
+    normal = Fraction(-cos(angle)), Fraction(-sin(angle))
+    bounds, middle = unit(Fraction(angle)), Fraction(angle)
+    off = sum(max(abs(value + end) for end in between) for value, between in zip(normal, bounds, strict=True))
+    return normal, Arc(middle - PI / 2, middle + PI / 2).widened(Fraction(0), 2 * off + PI_ROUNDING)
+
+
 def _both(known: Arc, arc: Arc) -> Arc:
     narrow, wide = (arc, known) if arc.high - arc.low < known.high - known.low else (known, arc)
     if narrow.high - narrow.low >= 2 * PI:
         return known
-    first, last = ceil((narrow.low - wide.high) / (2 * PI)) - 1, floor((narrow.high - wide.low) / (2 * PI)) + 1
-    pieces = [wide.turned(turns) for turns in range(first, last + 1)]
-    pieces = [piece for piece in pieces if piece.low <= narrow.high and narrow.low <= piece.high]
+    pieces = _pieces(narrow, wide)
     if not pieces:
         return known
     low, high = min(piece.low for piece in pieces), max(piece.high for piece in pieces)
     return Arc(max(narrow.low, low), min(narrow.high, high))
+
+
+def _pieces(narrow: Arc, wide: Arc) -> list[Arc]:
+    """Return an arc as many turns on as it meets another; floats say which turns are worth a look."""
+    low, high = float(narrow.low - wide.high) - ALMOST, float(narrow.high - wide.low) + ALMOST
+    pieces = [wide.turned(turns) for turns in range(ceil(low / (2 * pi)), floor(high / (2 * pi)) + 1)]
+    return [piece for piece in pieces if piece.low <= narrow.high and narrow.low <= piece.high]
 
 
 def sector(normal: Vector, arc: Arc, near: Fraction, far: Fraction) -> Fraction:

@@ -11,6 +11,7 @@ from experiments.proof.sides import Sides
 
 BEARING, FAR = "rows of bearings, from the log", "rows of ranges, far side, from the log"
 NEAR = "rows of ranges, near side, from the log"
+DIRECTION = "rows of directions of ranges, which are proved"
 NEAR_OF_SIDES = "rows of ranges, near side, over a narrower arc that is proved"
 
 
@@ -60,18 +61,23 @@ def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal:
 
 
 def _of_range(then: Instant, who: tuple[int, int], reading: Reading, normal: Vector, offset: Fraction) -> str | None:
-    value, bound, share = reading["range"], reading["bound"], reading["relative_bound"]
-    if offset >= (value + bound) / (1 - share) * length(normal):
+    least, greatest = between(reading)
+    if offset >= greatest * length(normal):
         return FAR
-    least = max(Fraction(0), (value - bound) / (1 + share))
     sights, proved = _sights(then, *who), then.sides.arc(*who)
     arcs = [(arc, NEAR) for arc in (*sights, in_common(Arc(-CIRCLE, CIRCLE), sights))]
     if proved is not None:
         arcs.append((in_common(proved, sights), NEAR_OF_SIDES))
     for arc, link in arcs:
         if arc.narrow and arc.most(normal) <= 0 and offset >= least * arc.most(normal):
-            return link
+            return link if offset < 0 else DIRECTION
     return None
+
+
+def between(reading: Reading) -> tuple[Fraction, Fraction]:
+    """Return the least and the greatest distance that a range leaves [m]."""
+    value, bound, share = reading["range"], reading["bound"], reading["relative_bound"]
+    return max(Fraction(0), (value - bound) / (1 + share)), (value + bound) / (1 - share)
 
 
 def _sights(then: Instant, robot: int, target: int) -> list[Arc]:

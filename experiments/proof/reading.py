@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 Record = dict[str, Any]
-VERSION = 2  # of the format that is read, of certificates, headings and regions
+VERSION = 3  # of the format that is read, of certificates, headings and regions
 LONGEST = 1 << 24  # bytes of a line
 SAID = 300  # characters of an error, which can hold what is in the file
 # What fields that are missing or of another type, and numbers that are none or too large, end in where they are used.

@@ -7,7 +7,7 @@ Two of them leave an arc; a bearing to the target then says where the robot look
 from collections.abc import Sequence
 
 from experiments.proof.edges import WORLD, plane
-from experiments.proof.exact import PI, PI_ROUNDING, Arc, Vector, angle_of, in_common
+from experiments.proof.exact import Arc, Vector, half_circle, in_common
 from experiments.proof.log import Frame
 from experiments.proof.reading import Broken, Record, exact
 
@@ -34,8 +34,7 @@ class Sides:
             raise Broken(f"a side of {target}, of which the line does not speak")
         if offset > 0:
             raise Broken(f"a side that the target may be {float(offset):.3g} m beyond")
-        low, high = angle_of((x, y))
-        half = Arc(low + PI / 2 - PI_ROUNDING, high + 3 * PI / 2 + PI_ROUNDING)
+        half = half_circle((x, y))
         self._arcs[pair] = in_common(self._arcs.get(pair, half), [half])
 
     def arc(self, robot: int, target: int) -> Arc | None:

@@ -9,12 +9,16 @@ from filter.compiled import compiled
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.simplify import edges_worth_keeping
-from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned, wrapped
+from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
+from filter.sensing.cone import wrapped
+from filter.sensing.rows import WIDENING
 from filter.sensing.split import where_to_split
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
 HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, at most
-APART = 1e-6  # of its size, the hull is larger: lines that almost coincide with those of readings lead walks astray
+# Of its size, the hull is larger: lines that almost coincide with those of readings lead walks astray. And so that it can be
+# proved again by arithmetic that rounds otherwise, like the arc of headings, which is wider by `WIDENING`.
+APART = 1e-6
 
 
 class Tree(NamedTuple):
@@ -145,7 +149,7 @@ def _hull_of_arcs(heading: Array, arcs: Array) -> None:
     for k in range(len(arcs)):
         turn = wrapped(arcs[k, 0] - arcs[0, 0])
         low, high = min(low, turn - arcs[k, 1]), max(high, turn + arcs[k, 1])
-    half = (high - low) / 2 + 2 * ANGLE_ROUNDING
+    half = (high - low) / 2 + WIDENING
     if len(arcs) and half < heading[1]:
         heading[0], heading[1] = wrapped(arcs[0, 0] + (low + high) / 2), half
 

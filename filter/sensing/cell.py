@@ -15,9 +15,10 @@ import numpy as np
 
 from filter.arrays import Array, Integers, Mask
 from filter.compiled import compiled
-from filter.geometry.angles import ANGLE_ROUNDING, intersection
+from filter.geometry.angles import intersection
 from filter.geometry.convex import EPSILON, area_of
 from filter.geometry.sector import far_and_near, sides
+from filter.sensing.cone import directions, wrapped
 from filter.sensing.rows import WIDENING
 
 CELL_CORNERS = 64  # of a cell at most: a half-plane that would make more is left out
@@ -92,66 +93,6 @@ def cut(cell: Array, size: int, line: Line, scale: Scale) -> int:
     for m in range(kept):
         cell[m, 0], cell[m, 1] = room[m, 0], room[m, 1]
     return kept
-
-
-@compiled
-def directions(cell: Array, size: int, points: Array, nearest: float, margin: float) -> tuple[float, float, float]:
-    """Return an arc of the directions in which points of the hull of `points` are from places of a cell, and the farthest [m].
-
-    That is, from places at least `nearest` away from them [m]; sets reach as far as `margin` beyond their hulls [m]. The bound
-    is pi where no direction is excluded for sure.
-
-    Algorithm:
-        Differences of hulls lie in a cone with its tip at the origin; what is beyond it by a few margins is turned by an angle
-        that is small where differences are long. A cone wider than a half-plane is one, and what is behind is beyond it.
-    """
-    first = last = (0.0, 0.0)
-    farthest, least = 0.0, np.inf
-    for m in range(size):
-        for t in range(len(points)):
-            apart = points[t, 0] - cell[m, 0], points[t, 1] - cell[m, 1]
-            farthest = max(farthest, np.hypot(apart[0], apart[1]))
-            if abs(apart[0]) + abs(apart[1]) <= margin:
-                continue  # in whatever direction
-            if first == (0.0, 0.0):
-                first = last = apart
-            elif _across(last, apart) > 0:
-                last = apart
-            elif _across(first, apart) < 0:
-                first = apart
-    centre = np.arctan2(first[1], first[0]) + _angle(first, last) / 2
-    ahead = first = last = (np.cos(centre), np.sin(centre))
-    for m in range(size):
-        for t in range(len(points)):
-            apart = points[t, 0] - cell[m, 0], points[t, 1] - cell[m, 1]
-            if abs(apart[0]) + abs(apart[1]) <= margin:
-                least = min(least, 0.0)
-            else:
-                least = min(least, _along(ahead, apart))
-                first, last = apart if _across(first, apart) < 0 else first, apart if _across(last, apart) > 0 else last
-    # Out of a cone that is no wider than a half-plane: what is as near as nothing, and the margins of both sets.
-    beyond = 3 * margin + max(0.0, -least)
-    away, farthest = max(nearest, least) - 2 * beyond, farthest + 2 * margin
-    if away <= 4 * beyond:
-        return 0.0, np.pi, farthest
-    bound = max(_angle(ahead, last), -_angle(ahead, first)) if least >= 0 else np.pi / 2
-    return wrapped(centre), bound + 2 * beyond / away + 4 * ANGLE_ROUNDING, farthest
-
-
-@compiled
-def _across(a: tuple[float, float], b: tuple[float, float]) -> float:
-    return a[0] * b[1] - a[1] * b[0]
-
-
-@compiled
-def _along(a: tuple[float, float], b: tuple[float, float]) -> float:
-    return a[0] * b[0] + a[1] * b[1]
-
-
-@compiled
-def _angle(a: tuple[float, float], b: tuple[float, float]) -> float:
-    """Return the angle from one direction to another, in (-pi, pi] [rad]."""
-    return np.arctan2(_across(a, b), _along(a, b))
 
 
 @compiled
@@ -231,9 +172,3 @@ def nearest_of(said: Said, t: int) -> float:
     for q in range(said.first[t], said.first[t + 1]):
         nearest = max(nearest, said.sector[q, 2])
     return nearest
-
-
-@compiled
-def wrapped(angle: float) -> float:
-    """Return an angle in (-pi, pi] [rad]."""
-    return angle - 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))

@@ -91,7 +91,7 @@ class Places:
 
     def take(self, case: "ByCases") -> None:
         """Take over where a robot was found to be."""
-        rows, box = case.rows[case.rows[:, 3] > 0], (self.known.lower[[case.robot]], self.known.upper[[case.robot]])
+        rows, box = case.few, (self.known.lower[[case.robot]], self.known.upper[[case.robot]])
         group = np.zeros(1, dtype=np.int64), np.full(1, len(rows))
         found = clip_boxes(np.ascontiguousarray(rows[:, :2]), rows[:, 2].copy(), group, *box).polygons
         self.bodies[case.robot], self.margin = found.vertices, max(self.margin, float(found.margin[0]))
@@ -106,6 +106,7 @@ class ByCases(Frozen):
         sources: What produced the rows.
         headings: (n) before [rad].
         robot: Whose poses they are.
+        spacing: Greatest angle between two tangents of a range's far side [rad].
         tree: How they were split.
         rows: (k, 4) normals and offsets [m], and whether they are among the few that are enough for others.
         heading: (2,) centre and bound of what is left of its heading [rad].
@@ -115,9 +116,15 @@ class ByCases(Frozen):
     sources: Sources
     headings: AngularIntervals
     robot: int
+    spacing: float
     tree: Tree
     rows: Array
     heading: Array
+
+    @property
+    def few(self) -> Array:
+        """The (k, 3) rows that are enough for others."""
+        return self.rows[self.rows[:, 3] > 0, :3]
 
     def constraints(self, source: int) -> Constraints:
         """Return the half-planes as rows, from a number in the belief's table of sources."""
@@ -137,20 +144,21 @@ def by_cases(places: Places, sources: Sources, told: Told, robot: int, cells: in
     if not len(rows):
         return None
     rows[:, 2] += rows[:, :2] @ origin + 8 * EPSILON * far
-    return ByCases(places.known, sources, told.headings, robot, Tree(*map(read_only, tree)), rows, heading)
+    tree.line[:, 2] += tree.line[:, :2] @ origin
+    return ByCases(places.known, sources, told.headings, robot, told.spacing, Tree(*map(read_only, tree)), rows, heading)
 
 
-def rows_alone(known: Polytope, robots: Integers) -> Constraints:
-    """Return the rows on each of some robots alone."""
+def few_rows(known: Polytope, robots: Integers, edges: int) -> Constraints:
+    """Return no more than so many rows on each of some robots (k,) alone."""
     begin, end = known.constraints.groups(np.full(len(robots), WORLD), robots)
     rows = [np.arange(*ends) for ends in zip(begin.tolist(), end.tolist(), strict=True)]
-    return known.constraints.select(np.concatenate([np.zeros(0, dtype=np.int64), *rows]))
+    alone = known.constraints.select(np.concatenate([np.zeros(0, dtype=np.int64), *rows]))
+    return prune(known.with_constraints(alone), edges, edges)
 
 
 def as_sets(known: Polytope, robots: Integers, edges: int) -> Polygons:
     """Return polygons around some robots (k,), from no more than so many rows on each of them alone."""
-    alone = known.with_constraints(rows_alone(known, robots))
-    return known.with_constraints(prune(alone, edges, edges)).of_robots(robots).polygons
+    return known.with_constraints(few_rows(known, robots, edges)).of_robots(robots).polygons
 
 
 def _sectors(value: Array, bound: Array) -> Array:

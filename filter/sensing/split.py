@@ -5,7 +5,8 @@ import numpy as np
 from filter.arrays import Array
 from filter.compiled import compiled
 from filter.geometry.angles import intersection
-from filter.sensing.cell import Line, Pose, Said, Scale, directions, nearest_of, wrapped
+from filter.sensing.cell import Line, Pose, Said, Scale, nearest_of
+from filter.sensing.cone import directions, wrapped
 
 WORTH_A_SLICE = 2  # bearings by a robot itself, from which on it is worth to split its heading
 FINEST_BEARING = 1e-3  # a heading is not split for bearings that are finer than this [rad]
@@ -18,7 +19,8 @@ def where_to_split(pose: Pose, size: int, said: Said, scale: Scale) -> tuple[flo
     """Return how badly a cell is too wide, and the line to split it along; one without a direction is for a heading.
 
     For a range that is how far the chord of its directions is inside the circle, in widths of the band, or of the cell if that
-    is thinner; for the heading, how wide it is in the least bound of two bearings or more.
+    is thinner, as far as it comes from the cell's width and not from the target's; for the heading, how wide it is in the
+    least bound of two bearings or more.
     """
     (cell, heading), worst, line, bearings, finest = pose, 0.0, (0.0, 0.0, 0.0), 0, np.inf
     for t in range(len(said.first) - 1):
@@ -35,7 +37,8 @@ def where_to_split(pose: Pose, size: int, said: Said, scale: Scale) -> tuple[flo
                 centre, bound = narrowed if narrowed[1] >= 0 else (centre, bound)
             if greatest < np.inf:
                 across = min(greatest - least + extent, _width(cell, size, centre)) + scale.margin
-                need = least * (1 - np.cos(bound)) / across
+                wide = _width(cell, size, centre + np.pi / 2)
+                need = least * (1 - np.cos(bound)) / across * wide / (wide + extent + scale.margin)
                 if need > worst:
                     worst, line = need, _line(cell, size, (centre, bound), (x, y))
     need = heading[1] / max(finest, FINEST_BEARING) if bearings >= WORTH_A_SLICE else 0.0

@@ -5,21 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, whole_number
+from filter.arrays import whole_number
 from filter.geometry.angles import AngularIntervals
 from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.measurements import Odometry
-from filter.projection.claims import Outlines, Weights
 from filter.projection.fallback import Fallback
-from filter.sensing.cells import ByCases
-from filter.sensing.passes import Directions
+from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
 
 
@@ -40,63 +37,6 @@ class Rejected:
 
 
 Event = Rejected | Fallback
-
-
-Bounded = Literal["regions", "boxes", "pairs", "sides"]
-
-
-@dataclass(frozen=True, eq=False)
-class Proof(Frozen):
-    """Claims that everything in a polytope satisfies normal . (x_j - x_i) <= offset, with the multipliers that prove them.
-
-    A claim holds because, with the multipliers y of its rows and the normal c, the greatest value of (c - A'y) . x over the
-    box, plus y . b, is no greater than its offset: in exact arithmetic.
-
-    Attributes:
-        of: What is bounded: each robot's position by its region or its box, the positions of pairs as seen from one another, or
-            the sides to which targets are.
-        polytope: Rows and box; its rows' sources are numbers in the table below.
-        sources: What produced the rows.
-        i: (k,) robot, or WORLD for a claim on the position of one robot alone.
-        j: (k,) robot.
-        normal: (k, 2).
-        offset: (k,) [m].
-        weights: (k) the rows that each claim rests on, and their multipliers.
-    """
-
-    of: Bounded
-    polytope: Polytope
-    sources: Sources
-    i: Integers
-    j: Integers
-    normal: Array
-    offset: Array
-    weights: Weights
-
-    @classmethod
-    def of_edges(cls, polytope: Polytope, sources: Sources, outlines: Outlines, whose: tuple[Integers, Integers]) -> Proof:
-        """Return why every edge holds, of outlines of robots, or of pairs i, j."""
-        i, j = (each[outlines.outer.owner] for each in whose)
-        return cls(
-            "regions" if (i == WORLD).all() else "pairs",
-            polytope,
-            sources,
-            i,
-            j,
-            outlines.outer.normals,
-            outlines.outer.offsets,
-            outlines.weights,
-        )
-
-    def __len__(self) -> int:
-        return len(self.offset)
-
-    def rests_on(self, claim: int) -> tuple[Integers, Array]:
-        """Return the rows that a claim is proved from, and their multipliers."""
-        return self.weights.rests_on(claim)
-
-
-Evidence = Proof | ByCases | Directions
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,5 +107,9 @@ class Belief:
 
     def causes(self, robot: int, edge: int) -> tuple[Source, ...]:
         """Return what an edge of a robot's outer polygon was proved from, one step back; `InvalidInput` if there is none."""
-        causes = self.regions[whole_number("robot", robot, 0, len(self.regions) - 1)].causes
-        return tuple(self.sources[int(number)] for number in causes[whole_number("edge", edge, 0, len(causes) - 1)])
+        region = self.regions[whole_number("robot", robot, 0, len(self.regions) - 1)]
+        place = whole_number("edge", edge, 0, len(region.causes) - 1)
+        proofs = tuple(proof for proof in self.proofs if isinstance(proof, Proof))
+        last = {self.sources[int(number)] for number in region.causes[place]}
+        found = causes_of(proofs, self.time, (WORLD, robot, region.outer.normals[place]), last)
+        return tuple(sorted(found, key=lambda source: (source.time, source.kind, source.robot, source.target or 0)))

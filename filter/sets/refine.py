@@ -19,7 +19,8 @@ from filter.projection.claims import Outlines, Weights
 from filter.projection.stop import IsOver, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets.belief import Belief, Proof
+from filter.sets.belief import Belief
+from filter.sets.proof import Proof
 from filter.sets.regions import Regions
 
 # A conflict is named by the multipliers above one of these shares of the greatest: the first that leaves a proof.

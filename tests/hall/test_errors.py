@@ -19,7 +19,7 @@ import experiments
 import filter as filter_package
 import sim
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
-from filter.sets.belief import Source
+from filter.linear.sources import Source
 
 for package in (filter_package, experiments, sim):
     for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):

@@ -21,7 +21,7 @@ from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
 from filter.sensing.passes import Merger
 from filter.sensing.readings import Readings
-from filter.sets.belief import Proof
+from filter.sets.proof import Proof
 from filter.sets.set_membership import SetMembershipFilter
 
 EVERYTHING = Stop(1.0, searches=400)

@@ -18,7 +18,8 @@ from filter.linear.program import LinearProgram
 from filter.linear.sources import Sources
 from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.projection.claims import Weights
-from filter.sets.belief import Belief, Proof
+from filter.sets.belief import Belief
+from filter.sets.proof import Proof
 from filter.team import Team
 
 NO_INDEX = np.zeros(0, dtype=np.int64)

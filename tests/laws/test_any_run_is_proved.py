@@ -43,7 +43,8 @@ def run(path, seed):
     rng = np.random.default_rng(seed)
     world, light, known, lies = world_of(rng), seed % 2 == 0, seed % 3 > 0, seed % 4 == 3
     options = {"policy": "reject" if lies else "raise", **({"scope": Window(1)} if seed % 5 == 0 else {})}
-    estimator = (SetMembershipFilter.light if light else SetMembershipFilter)(world.team, cells=0, **options)
+    options["cells"] = (0, 8, 16)[seed % 3]
+    estimator = (SetMembershipFilter.light if light else SetMembershipFilter)(world.team, **options)
     arcs = world.initial_headings(1.5 if seed % 7 == 0 else 0.2)
     headings = [(float(c), float(b)) if known else None for c, b in zip(arcs.centre, arcs.bound, strict=True)]
     sets = world.initial_sets(rng.uniform(0.1, 2))
@@ -88,7 +89,7 @@ def test_the_sides_hold_for_the_truth(tmp_path, seed):
     """What the checker concludes of directions contains them: it is no proof of anything if it does not."""
     rng = np.random.default_rng(seed)
     world = World(rng, robots=3, landmarks=2, errors="extreme")
-    estimator = SetMembershipFilter(world.team, cells=0)
+    estimator = SetMembershipFilter(world.team, cells=8)
     initial = [InitialSet(one.vertices) for one in world.initial_sets(0.2)]
     header = Header(world.team, 0.0, 10.0)
     belief, places, headings = first_belief(estimator, header, initial), [], []

@@ -22,7 +22,7 @@ def outcome(path, *lines):
     initial = [InitialSet(np.array([low, [high[0], low[1]], high]), (0.0, 0.1)) for low, high in (LEFT, RIGHT)]
     with LogWriter(path / "log.jsonl", Header(Team(2), 0.0, None), initial) as log:
         log.write(Frame(0.0, None, (), None))
-    headings = {"centre": [ZERO] * 2, "bound": [(0.1).hex()] * 2, "sides": []}
+    headings = {"centre": [ZERO] * 2, "bound": [(0.1).hex()] * 2, "lines": []}
     try:
         Chain(Log(path)).check([("headings", headings)], [(f"line {k}", line) for k, line in enumerate(lines, 1)])
     except Broken as error:
@@ -37,7 +37,7 @@ def claim(pair, normal, offset, boxes, rows=()):
     ]
     return {
         "t": ZERO,
-        "version": 2,
+        "version": 3,
         "from": pair[0],
         "robot": pair[1],
         "normal": list(map(float.hex, normal)),

@@ -147,13 +147,13 @@ def a_heading_of_nothing(lines):
 @forged("is not proved", HEADINGS)
 def headings_without_sides(lines):
     for line in lines:
-        line["sides"] = []
+        line["lines"] = []
 
 
 @forged("is not proved", HEADINGS)
 def headings_with_one_side_of_two(lines):
     for line in lines:
-        line["sides"] = line["sides"][:1]
+        line["lines"] = line["lines"][:1]
 
 
 @forged("nothing for the log's frame at t = 0.3", HEADINGS)

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments import prove
-from experiments.proof.arrow import Stream
 from experiments.proof.reading import MISSHAPEN, Broken
-from experiments.proof.recorded import COMPONENTS, check_recording
-from experiments.proof.rrd import ALWAYS, CHUNK, ENTITY, chunks, recorded, unpacked
+from experiments.proof.recording.arrow import Stream
+from experiments.proof.recording.recorded import COMPONENTS, check_recording
+from experiments.proof.recording.rrd import ALWAYS, CHUNK, ENTITY, chunks, recorded, unpacked
 from experiments.proof.shown import Region
 from filter import Frame
 

@@ -11,8 +11,9 @@ from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
 from filter.measurements import Bearing, Range
-from filter.sensing.cell import CELL_CORNERS, Scale, cut, directions
+from filter.sensing.cell import CELL_CORNERS, Scale, cut
 from filter.sensing.cells import Places, Told, as_sets, by_cases
+from filter.sensing.cone import directions
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

@@ -7,7 +7,7 @@ import pytest
 from helpers.worlds import World, exact_claim
 
 from filter.linear.sources import KINDS, Source, Sources
-from filter.sets.belief import Proof
+from filter.sets.proof import Proof
 from filter.sets.set_membership import SetMembershipFilter
 
 

@@ -21,8 +21,9 @@ from filter.linear.sources import Source, Sources
 from filter.projection.claims import Weights
 from filter.projection.window import Window
 from filter.sensing.motion import displacements
-from filter.sets.belief import Belief, Proof
+from filter.sets.belief import Belief
 from filter.sets.predict import moved, rows_through_corners
+from filter.sets.proof import Proof
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiments.proof.arrow import Stream
 from experiments.proof.reading import Broken
+from experiments.proof.recording.arrow import Stream
 
 MAGIC, HEAD = b"RRF2", 12
 END, CHUNK = 0, 2  # kinds of messages

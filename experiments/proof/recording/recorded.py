@@ -8,7 +8,7 @@ from typing import Any
 
 from experiments.proof.log import Frame
 from experiments.proof.reading import Broken, located
-from experiments.proof.rrd import Recorded, recorded
+from experiments.proof.recording.rrd import Recorded, recorded
 from experiments.proof.shown import Region
 
 LAYERS = OUTER, FILL, ESTIMATE = "/world/outer/", "/world/fill/", "/world/estimate/"

@@ -1,0 +1,219 @@
+"""What was found case by case, cut anew: the pieces of a tree of a robot's poses. Exact arithmetic, standard library only.
+
+A piece is a polygon of places and an arc of headings. All that was measured of the robot cuts it, target after target, as often
+as the line says; then it is split in two, or else it has to be within everything that is claimed, unless nothing is left of it.
+Targets are landmarks, and polygons of places of mates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, cos, pi, sin
+
+from experiments.proof.cone import ANYWHERE, HAIR, directions
+from experiments.proof.edges import WORLD, plane
+from experiments.proof.exact import (
+    PI,
+    Arc,
+    Vector,
+    arc_around,
+    are_apart,
+    in_common,
+    length,
+    once_around,
+    up,
+)
+from experiments.proof.measured import Instant, between
+from experiments.proof.polygon import Polygon
+from experiments.proof.reading import Broken, Record, exact
+from experiments.proof.shown import dot
+from experiments.proof.sides import compasses
+
+ROUNDS = 100  # no piece is cut more often
+# As the filter widens everything, and counts tangents: which half-planes cut a piece depends on what those before have left.
+WIDENING, FEWER = Fraction(1, 10**8), 1e-5
+TURNS_ROUNDING = Fraction(1, 10**30)  # some turns on, an arc is wider by less [rad]
+Pose = tuple[Polygon, Arc]
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """A bearing: by the robot itself, or a direction in the world that a mate's bearing leaves."""
+
+    value: Fraction
+    bound: Fraction
+    way: Arc | None = None
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range: the least and the greatest distance [m]."""
+
+    least: Fraction
+    greatest: Fraction
+
+
+@dataclass(frozen=True)
+class Target:
+    """Where a target is, what is measured of it and the robot, and how near it can be at least [m]."""
+
+    places: Polygon
+    readings: Sequence[Bearing | Range]
+    nearest: Fraction
+
+
+def check_cases(line: Record, then: Instant) -> Arc:
+    """Return what is proved of the robot's heading, if the line's claims hold in every case.
+
+    Its boxes and rows have to be proved before.
+
+    Raises:
+        Broken: A piece is not within what is claimed, or the line is misshapen.
+    """
+    robot, claimed = line["robot"], arc_around(*(float(exact(value)) for value in line["heading"]))
+    claims = [(plane(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
+    places, spacing = _places(line), float(exact(line["spacing"]))
+    targets = [_target(then, robot, body, places) for body in _told(then, robot)]
+    looks, arcs = in_common(then.headings[robot], compasses(then.frame, robot)), list[Arc]()
+    waiting: list[Pose | None] = [(places[robot], once_around(looks))]
+    for piece in line["pieces"]:
+        pose, rounds = waiting.pop(), piece["rounds"]
+        if type(rounds) is not int or not 0 <= rounds <= ROUNDS:
+            raise Broken(f"so many rounds: {rounds}")
+        for _ in range(rounds):
+            for target in targets:
+                pose = _seen(pose, target, spacing) if pose else None
+        if "line" in piece:
+            waiting += reversed(_split(pose, *map(exact, piece["line"])))
+        elif pose:
+            arcs.append(pose[1])
+            if not all(pose[0].is_behind(*claim) for claim in claims):
+                raise Broken(f"in one of the cases robot {robot} can be beyond what is claimed")
+    if waiting:
+        raise Broken("there are pieces that no case is about")
+    for heading in (claimed, claimed.widened(Fraction(0), TURNS_ROUNDING)):
+        if all(heading.covers(arc) for arc in arcs):
+            return heading
+    raise Broken(f"in one of the cases robot {robot} can look elsewhere than what is claimed")
+
+
+def _places(line: Record) -> dict[int, Polygon]:
+    """Return where the robots of a line can be, by its boxes and rows."""
+    found = {int(text): Polygon.box(plane(line["lower"][text]), plane(line["upper"][text])) for text in line["upper"]}
+    for row in line["rows"]:
+        if row["i"] != WORLD:
+            raise Broken("a row on a pair, where rows on one robot were expected")
+        cut = found[row["j"]].cut(plane(row["normal"]), exact(row["offset"]))
+        if cut is None:
+            raise Broken(f"robot {row['j']} is nowhere")
+        found[row["j"]] = cut
+    return found
+
+
+def _told(then: Instant, robot: int) -> list[int]:
+    """Return the bodies that a robot measured, or was measured by."""
+    found = set[int]()
+    for _, one, other in then.frame.readings:
+        found |= {one, other} - {robot} if other is not None and robot in (one, other) else set()
+    return sorted(found)
+
+
+def _target(then: Instant, robot: int, body: int, places: Mapping[int, Polygon]) -> Target:
+    """Return a body as a target of a robot; bearings come before ranges, and the robot's own before its mate's."""
+    robots, of = then.log.robots, then.frame.of
+    mark = then.log.landmarks[body - robots] if body >= robots else None
+    both = ((robot, body), (body, robot))[: 1 if mark else 2]
+    readings: list[Bearing | Range] = []
+    for who, whom in both:
+        for value, bound in sorted((one["bearing"], one["bound"] + WIDENING) for one in of("bearing", who, whom)):
+            heading = None if who == robot else in_common(then.headings[who], compasses(then.frame, who))
+            readings.append(Bearing(value, bound, heading.widened(value, bound).opposite if heading else None))
+    found = (between(one) for who, whom in both for one in of("range", who, whom))
+    ranges = [Range(least * (1 - WIDENING), greatest * (1 + WIDENING)) for least, greatest in found]
+    nearest = max((one.least for one in ranges), default=Fraction(0))
+    return Target(places[body] if mark is None else Polygon.point(mark), [*readings, *ranges], nearest)
+
+
+def _split(pose: Pose | None, x: Fraction, y: Fraction, offset: Fraction) -> list[Pose | None]:
+    """Return both sides of a line of places, or of an angle of headings if the line has no direction."""
+    if pose is None:
+        return [None, None]
+    polygon, arc = pose
+    if x == y == 0:
+        middle = offset + 2 * PI * round((arc.low + arc.high - 2 * offset) / (4 * PI))
+        middle = min(max(middle, arc.low), arc.high)
+        return [(polygon, Arc(arc.low, middle)), (polygon, Arc(middle, arc.high))]
+    sides = polygon.cut((x, y), offset), polygon.cut((-x, -y), -offset)
+    return [(side, arc) if side else None for side in sides]
+
+
+def _seen(pose: Pose, target: Target, spacing: float) -> Pose | None:
+    """Return what the readings of one target leave of a pose, or None."""
+    polygon: Polygon | None
+    (polygon, heading), places, nearest = pose, target.places, target.nearest
+    arc = directions(polygon, places, nearest)
+    apart = arc is not ANYWHERE or nearest > 0  # of what is in one place with the robot, bearings say nothing
+    for reading in target.readings:
+        if polygon is None:
+            return None
+        if isinstance(reading, Range):
+            polygon = _within(polygon, places, arc, reading, spacing)
+            continue
+        way = reading.way
+        if way is None:
+            looks = arc.widened(-reading.value, reading.bound)
+            if apart and are_apart(heading, looks):
+                return None
+            heading = in_common(heading, [looks]) if apart else heading
+            way = heading.widened(reading.value, reading.bound)
+        for normal in _sides(way):
+            polygon = polygon and _behind(polygon, places, normal, Fraction(0))
+        if apart and are_apart(arc, way):
+            return None
+        arc = in_common(arc, [way])
+    return (polygon, heading) if polygon else None
+
+
+def _within(polygon: Polygon, places: Polygon, arc: Arc, reading: Range, spacing: float) -> Polygon | None:
+    """Return the places that a range leaves, with the target in an arc of directions."""
+    left: Polygon | None = polygon
+    arc = arc.widened(Fraction(0), WIDENING)
+    centre, bound = float(arc.low + arc.high) / 2, min(float(arc.high - arc.low) / 2, pi)
+    if all(_is_nearer(corner, place, reading.least) for corner in polygon.corners for place in places.corners):
+        return None
+    tangents = max(1, ceil(2 * bound / spacing - FEWER))
+    for k in range(tangents):
+        normal = _towards(centre + bound * ((2 * k + 1) / tangents - 1))
+        left = left and _behind(left, places, normal, reading.greatest * length(normal))
+    back = _towards(centre + pi)
+    if arc.narrow and arc.most(back) <= 0:
+        left = left and _behind(left, places, back, reading.least * arc.most(back))
+    return left
+
+
+def _is_nearer(a: Vector, b: Vector, distance: Fraction) -> bool:
+    apart = (a[0] - b[0], a[1] - b[1])
+    return dot(apart, apart) < distance**2
+
+
+def _behind(polygon: Polygon, places: Polygon, normal: Vector, offset: Fraction) -> Polygon | None:
+    """Return the places from which some place q of a target has normal . (q - p) <= offset."""
+    back = (-normal[0], -normal[1])
+    if polygon.is_clearly_behind(back, float(offset) + max(places.along(back))):
+        return polygon
+    return polygon.cut(back, up(offset + places.most(back)))
+
+
+def _towards(angle: float) -> Vector:
+    return plane((cos(angle), sin(angle)))
+
+
+def _sides(arc: Arc) -> list[Vector]:
+    """Return normals that no direction of an arc is beyond, one at each of its ends; none if it is no convex set."""
+    if not arc.narrow:
+        return []
+    low, high = float(arc.low) - HAIR, float(arc.high) + HAIR
+    normals = plane((sin(low), -cos(low))), plane((-sin(high), cos(high)))
+    return [normal for normal in normals if arc.most(normal) <= 0]

@@ -74,8 +74,7 @@ class Options:
     """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
     is suspended from then on."""
     certificates: bool = False
-    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove. The filter then goes without cells and
-    further passes, of which nothing can be proved again yet: the first steps from a wide start know less."""
+    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
     view: bool = False
     """Show the run in a live viewer while it goes on."""
     camera: bool = False

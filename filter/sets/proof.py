@@ -82,13 +82,12 @@ def causes_of(proofs: Sequence[Proof], time: float, line: Line, otherwise: set[S
     i, j, normal = line
     for last in range(len(proofs) - 1, -1, -1):
         proof = proofs[last]
-        claims = np.flatnonzero((proof.i == i) & (proof.j == j) & (proof.normal == normal).all(axis=1))
-        if len(claims):
-            found = set[Source]()
-            for source, row in _rests_on(proof, int(claims[0])):
-                is_of_now = source.kind == "region" and source.time == time
-                found |= causes_of(proofs[:last], time, row, {source}) if is_of_now else {source}
-            return found or otherwise
+        found, claims = set[Source](), np.flatnonzero((proof.i == i) & (proof.j == j) & (proof.normal == normal).all(axis=1))
+        for source, row in _rests_on(proof, int(claims[0])) if len(claims) else ():
+            is_of_now = source.kind == "region" and source.time == time
+            found |= causes_of(proofs[:last], time, row, {source}) if is_of_now else {source}
+        if found:
+            return found
     return otherwise
 
 

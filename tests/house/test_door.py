@@ -17,9 +17,12 @@ WORKSHOPS = ("timed", "optimum", "paper", "proof", "growth")
 PAST = {
     "experiments/certified_bounds.py": "linear programs, with and without a proof",
     "experiments/follow/frozen.py": "the checks of numbers and arrays that all records share",
+    "experiments/logs/cases.py": "how a robot's poses were split, and which rows the pieces are cut from",
+    "experiments/logs/certificates.py": "the table of sources, to find the ranges that something rests on",
+    "experiments/logs/exactly.py": "rows",
     "experiments/logs/fields.py": "the same checks",
     "experiments/logs/records.py": "the same checks",
-    "experiments/logs/sides.py": "where targets are at a glance, and rows of bearings, to prove what the filter took from them",
+    "experiments/logs/sides.py": "where targets are at a glance, to prove what the filter took from that",
     "experiments/logs/tum.py": "the same checks",
     "experiments/sweep/executors.py": "the same checks",
     "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",

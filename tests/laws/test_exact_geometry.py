@@ -4,14 +4,30 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import shapely
+import shapely.affinity
 from helpers.worlds import unit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.logs.certificates import hexadecimal
+from experiments.logs.exactly import hexadecimal
+from experiments.proof.cone import ANYWHERE, directions
 from experiments.proof.edges import plane, through_corner
-from experiments.proof.exact import PI, Arc, Motion, angle_of, in_common, length, sector
+from experiments.proof.exact import (
+    PI,
+    Arc,
+    Motion,
+    angle_of,
+    are_apart,
+    half_circle_about,
+    in_common,
+    length,
+    once_around,
+    sector,
+)
 from experiments.proof.exact import unit as enclosed
+from experiments.proof.polygon import Polygon as ExactPolygon
+from experiments.proof.reading import Broken
 from filter import AngularIntervals, Odometry, Polygon, Team
 from filter.sensing.motion import displacements
 
@@ -158,3 +174,84 @@ def test_a_row_through_a_corner_is_that_of_the_polygon_whatever_else_is_known(se
     found = through_corner(known, plane(hexadecimal(normal)))
     assert float(found) == pytest.approx((polygon.vertices @ normal).max(), abs=1e-9 + 1e-8 * origin)
     assert through_corner({}, plane(hexadecimal(normal))) is None
+
+
+def cut_by(rng, lines, origin):
+    """Return a square of 2 m cut by some lines, exactly, or None, and the same by shapely."""
+    left, right = ExactPolygon.box(exactly(origin - 1), exactly(origin + 1)), shapely.box(*origin - 1, *origin + 1)
+    for _ in range(lines):
+        normal, offset = unit(rng.uniform(-np.pi, np.pi)), rng.uniform(-0.3, 1.2)
+        behind = shapely.Polygon(origin + np.array([[a, b] for a, b in ((9, -9), (9, 9), (-9, 9), (-9, -9))]))
+        angle = np.arctan2(normal[1], normal[0])
+        behind = shapely.affinity.translate(behind, xoff=offset - 9)
+        behind = shapely.affinity.rotate(behind, angle, origin=tuple(origin), use_radians=True)
+        left = left and left.cut(plane(hexadecimal(normal)), Fraction(float(normal @ origin + offset)))
+        right = right.intersection(behind)
+    return left, right
+
+
+def exactly(place):
+    return plane(hexadecimal(np.asarray(place, dtype=float)))
+
+
+@given(seeds, st.sampled_from([0.0, 1e4]))
+def test_a_polygon_is_cut_to_the_intersection_with_half_planes(seed, far):
+    rng = np.random.default_rng(seed)
+    left, right = cut_by(rng, int(rng.integers(1, 9)), np.full(2, far))
+    if left is None or right.area < 1e-9:
+        assert right.area < 1e-9
+        assert left is None or shapely.Polygon(left.floats + left.floats[:2]).area < 1e-6
+        return
+    assert shapely.Polygon([*left.floats, left.floats[0]]).area == pytest.approx(right.area, abs=1e-7)
+    normal = unit(rng.uniform(-np.pi, np.pi))
+    most = float(left.most(plane(hexadecimal(normal))))
+    assert most == pytest.approx(max(normal @ corner for corner in right.exterior.coords), abs=1e-9)
+    assert left.is_behind(plane(hexadecimal(normal)), Fraction(most) + Fraction(1, 10**6))
+    assert not left.is_behind(plane(hexadecimal(normal)), Fraction(most) - Fraction(1, 10**6))
+
+
+def test_a_polygon_may_be_a_line_or_a_point_and_a_line_through_a_corner_cuts_nothing_off():
+    one, no = Fraction(1), Fraction(0)
+    square = ExactPolygon.box((no, no), (one, one))
+    assert square.cut((one, one), Fraction(2)) is square
+    corner = square.cut((-one, -one), Fraction(-2))
+    assert set(corner.corners) == {(one, one)}
+    assert corner.cut((one, no), one) is corner
+    assert corner.cut((one, no), one - Fraction(1, 10**40)) is None
+    side = square.cut((-one, no), -one)
+    assert set(side.corners) == {(one, no), (one, one)}
+    assert set(side.cut((no, one), one / 2).corners) == {(one, no), (one, one / 2)}
+    with pytest.raises(Broken, match="without a point"):
+        ExactPolygon.box((one, no), (no, one))
+
+
+@given(seeds, st.sampled_from(["apart", "one in the other", "a point", "a corner"]))
+def test_no_direction_from_far_enough_is_left_out(seed, shape):
+    rng = np.random.default_rng(seed)
+    cell, _ = cut_by(rng, 2, np.zeros(2))
+    if cell is None:
+        return
+    apart = unit(rng.uniform(-np.pi, np.pi)) * (3 if shape == "apart" else 0.4)
+    places, _ = cut_by(rng, 2, apart)
+    if shape in ("a point", "a corner") or places is None:
+        places = ExactPolygon.point(cell.corners[0] if shape == "a corner" else exactly(apart))
+    nearest = Fraction(float(rng.choice([0.0, 0.5, 2.0])))
+    arc = directions(cell, places, nearest)
+    weights = rng.dirichlet(np.full(len(cell.floats), 0.3), 200), rng.dirichlet(np.full(len(places.floats), 0.3), 200)
+    between = weights[1] @ np.array(places.floats) - weights[0] @ np.array(cell.floats)
+    away = np.hypot(*between.T)
+    seen = between[(away >= float(nearest)) & (away > 1e-9)]
+    for angle in np.arctan2(seen[:, 1], seen[:, 0]).tolist():
+        assert arc is ANYWHERE or arc.covers(Arc(Fraction(angle), Fraction(angle)).widened(Fraction(0), Fraction(-1, 10**12)))
+
+
+@given(st.floats(-3.2, 3.2), st.floats(0, 1))
+def test_half_a_circle_is_what_is_behind_its_normal(angle, share):
+    normal, arc = half_circle_about(angle)
+    ends = enclosed(arc.low), enclosed(arc.high)
+    for (x, _), (y, _) in ends:
+        assert float(normal[0] * x + normal[1] * y) == pytest.approx(0, abs=1e-12)
+    assert float(once_around(Arc(arc.low - 9, arc.high + 9)).high - arc.high) == pytest.approx(np.pi / 2, abs=1e-9)
+    beyond = Arc(arc.high + Fraction(share) + Fraction(1, 100), arc.high + Fraction(share) + Fraction(2, 100))
+    assert are_apart(arc, beyond)
+    assert not are_apart(arc, Arc(arc.high, arc.high))

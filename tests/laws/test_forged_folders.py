@@ -42,12 +42,12 @@ def no_line(lines):
     return []
 
 
-@forged("regions.jsonl.gz, line 1 (t = 0.0 s, robot 0): what is shown is smaller")
+@forged("regions.jsonl.gz, line 1 (t = 0.0 s, robot 0): what is proved is no closed polygon")
 def one_line_of_each_step(lines):
     return [next(line for line in lines if line["t"] == t and "side" not in line) for t in times(lines)]
 
 
-@forged("what is shown is smaller than what is proved")
+@forged("what is proved is no closed polygon")
 def one_line(lines):
     return [line for line in lines if "side" not in line][:1]
 
@@ -79,7 +79,7 @@ def a_line_at_the_end(lines):
     lines.append(lines[0])
 
 
-@forged("what is shown is smaller than what is proved")
+@forged("what is proved is no closed polygon")
 def a_robot_of_the_last_step(lines):
     return [line for line in lines if not (line["t"] == lines[-1]["t"] and line["robot"] == 1)]
 
@@ -117,7 +117,7 @@ def a_side_of_somebody_else(lines):
 
 @forged("an offset that is greater by")
 def a_side_that_is_tilted(lines):
-    line = next(line for line in lines if "side" in line)
+    line = next(line for line in lines if "side" in line and line["from"] >= 0)
     x, y = map(float.fromhex, line["normal"])
     turned = min(((x - k * y, y + k * x) for k in (0.3, -0.3)), key=lambda way: way[0] * x + way[1])
     line["normal"] = [value.hex() for value in turned]
@@ -156,9 +156,76 @@ def headings_with_one_side_of_two(lines):
         line["lines"] = line["lines"][:1]
 
 
+def case_of(lines):
+    """Return the first of what was found case by case."""
+    return next(line for record in lines for line in record["lines"] if "pieces" in line)
+
+
+@forged("can be beyond what is claimed", HEADINGS)
+def a_case_of_a_smaller_place(lines):
+    claim = case_of(lines)["claims"][2]
+    claim["offset"] = moved(claim["offset"], -1e-4)
+
+
+@forged("can look elsewhere than what is claimed", HEADINGS)
+def a_case_of_a_narrower_heading(lines):
+    heading = case_of(lines)["heading"]
+    heading[1] = (float.fromhex(heading[1]) * 0.9).hex()
+
+
+@forged("can be beyond what is claimed", HEADINGS)
+def a_case_that_nothing_cuts(lines):
+    for piece in case_of(lines)["pieces"]:
+        piece["rounds"] = 0
+
+
+@forged("there are pieces that no case is about", HEADINGS)
+def a_piece_less(lines):
+    case_of(lines)["pieces"].pop()
+
+
+@forged("IndexError: pop from empty list", HEADINGS)
+def a_piece_more(lines):
+    pieces = case_of(lines)["pieces"]
+    pieces.append(pieces[-1])
+
+
+@forged("so many rounds", HEADINGS)
+def a_piece_that_is_cut_for_ever(lines):
+    case_of(lines)["pieces"][0]["rounds"] = 10**9
+
+
+@forged("follows from nothing known", HEADINGS)
+def a_case_that_begins_too_small(lines):
+    row = case_of(lines)["rows"][0]
+    row["offset"] = moved(row["offset"], -1e-3)
+
+
+@forged("box lies", HEADINGS)
+def a_case_in_a_smaller_box(lines):
+    case = case_of(lines)
+    corner = case["upper"][str(case["robot"])]
+    corner[0] = moved(corner[0], -1e-3)
+
+
+@forged("a row on a pair", HEADINGS)
+def a_case_from_a_row_on_a_pair(lines):
+    known = next(line for line in lines[-1]["lines"] if "side" in line and line["from"] >= 0)
+    case = next(line for line in lines[-1]["lines"] if "pieces" in line)
+    lines[-1]["lines"].insert(0, known)
+    case["rows"].append({"i": known["from"], "j": known["robot"], "normal": known["normal"], "offset": known["offset"]})
+    case["sources"].append(case["sources"][0])
+
+
+@forged("follows from nothing known; it says it is of {'kind': 'cells'", HEADINGS)
+def a_case_less(lines):
+    for record in lines:
+        record["lines"] = [line for line in record["lines"] if "pieces" not in line]
+
+
 @forged("nothing for the log's frame at t = 0.3", HEADINGS)
 def a_step_of_headings(lines):
-    del lines[3]
+    return [line for line in lines if line["t"] != times(lines)[3]]
 
 
 @forged("headings of 2 robots, where there are 3", HEADINGS)
@@ -329,19 +396,19 @@ def robots_that_turn_more(log):
     all_of(log, "odometry")[0]["turn_bound"] = 1.0
 
 
-@forged("is not proved", LOG)
+@forged("beyond what is claimed", LOG)
 def wider_compasses(log):
     for record in all_of(log, "compass"):
         record["bound"] = [2 * bound for bound in record["bound"]]
 
 
-@forged("is not proved", LOG)
+@forged("beyond what is claimed", LOG)
 def wider_bearings(log):
     for record in all_of(log, "bearing"):
         record["bound"] = [1.1 * bound for bound in record["bound"]]
 
 
-@forged("follows from nothing known", LOG)
+@forged("beyond what is claimed", LOG)
 def wider_ranges(log):
     for record in all_of(log, "range"):
         record["bound"] = [bound + 0.01 for bound in record["bound"]]
@@ -352,7 +419,7 @@ def a_larger_start(log):
     log[2]["vertices"].append([x - 0.3 for x in log[2]["vertices"][2]])
 
 
-@forged("a side that the target may be", LOG)
+@forged("beyond what is claimed", LOG)
 def a_landmark_elsewhere(log):
     log[0]["landmarks"][0][0] += 0.1
 

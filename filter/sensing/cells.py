@@ -17,6 +17,7 @@ from filter.sensing.cell import Said
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
 
+FINEST_TANGENTS = np.pi / 12  # apart; so cells, which have few corners, have room for what matters [rad]
 START_EDGES = 24  # so many rows on a robot are what its poses are cut from, at most
 
 
@@ -58,7 +59,7 @@ class Told(Frozen):
         is_range = np.arange(len(robot)) >= 2 * count
         order = np.lexsort((is_range, target, robot))
         order = order[robot[order] < robots]
-        return cls(robot[order], target[order], sector[order], own[order], headings, spacing)
+        return cls(robot[order], target[order], sector[order], own[order], headings, max(spacing, FINEST_TANGENTS))
 
     def said(self, robot: int, bodies: Mapping[int, Array]) -> Said:
         """Return what was said of one robot, where bodies are sets, hulls of points (p, 2) [m]."""

@@ -163,14 +163,15 @@ class Merger(Frozen):
         for robot in robots.tolist():
             if is_over():
                 break
-            case = by_cases(places, self.sources, told, robot, self.cells)
-            if case is None:
+            case, one = by_cases(places, self.sources, told, robot, self.cells), np.array([robot])
+            looks = headings[one].intersection(AngularIntervals(*case.heading[:, None])) if case else None
+            if case is None or looks is None or looks.empty.any():
                 time = self.readings.ranges.time
                 before = Source("region", time, robot), Source("heading", time, robot)
                 raise Inconsistent(f"at {time} s", [*before, *self.readings.concerning(robot)])
             places.take(case)
             rows.append(case.constraints(numbers[robot]))
-            headings = headings.replaced(np.array([robot]), AngularIntervals(*case.heading[:, None]))
+            headings = headings.replaced(one, looks)  # the hull of cells may have lost a gap that was known
             cases.append(case)
         known = self.polytope.with_constraints(Constraints.concatenate(rows))
         return replace(self, polytope=known, headings=headings), cases

@@ -15,7 +15,7 @@ from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
 from filter.measurements import Bearing, Range
 
-# The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of area at most.
+# The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of a whole disc.
 TANGENT_SPACING = np.pi / 6
 # Every bearing is widened by this [rad] and every range by this share: far above rounding, far below any sensor. So errors
 # that just reach their bounds leave the polytope an interior, without which no solver can be accurate.

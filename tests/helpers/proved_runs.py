@@ -15,7 +15,7 @@ FILES = (LINES, HEADINGS, REGIONS)
 
 
 def run_of(path, **options):
-    """Return the folder of a run of 8 steps, some of them backwards, one robot now and then without odometry.
+    """Return the folder of a light run of 8 steps, some of them backwards, one robot now and then without odometry.
 
     Its first headings are unknown but for a compass, which only some frames have: bearings make them narrower.
     """
@@ -31,7 +31,7 @@ def run_of(path, **options):
                 Frame(world.time, motion, tuple(world.measure(compasses=k % 4 == 0)), Truth(world.positions, world.headings))
             )
     folder = path / "run"
-    assert moving_team(["--replay", str(path / "given.jsonl"), "--certificates", "--out", str(folder)]) == 0
+    assert moving_team(["--replay", str(path / "given.jsonl"), "--certificates", "--light", "--out", str(folder)]) == 0
     return folder
 
 

@@ -106,8 +106,10 @@ def a_source_of_another(lines):
 
 @forged("a side that the target may be")
 def an_edge_as_a_side(lines):
-    line = next(line for line in lines if line["from"] >= 0 and "side" not in line and float.fromhex(line["offset"]) > 0)
-    line["side"] = line["from"]
+    """Whatever landmark it is said of, some edge of a region has it on its inner side."""
+    for line in lines:
+        if line["from"] < 0 and "side" not in line:
+            line["side"] = 3
 
 
 @forged("of which the line does not speak")
@@ -208,11 +210,10 @@ def a_case_in_a_smaller_box(lines):
     corner[0] = moved(corner[0], -1e-3)
 
 
-@forged("a row on a pair", HEADINGS)
+@forged("a row on 0, ", HEADINGS)
 def a_case_from_a_row_on_a_pair(lines):
-    known = next(line for line in lines[-1]["lines"] if "side" in line and line["from"] >= 0)
-    case = next(line for line in lines[-1]["lines"] if "pieces" in line)
-    lines[-1]["lines"].insert(0, known)
+    known = next(line for record in lines for line in record["lines"] if "side" in line and line["from"] == 0)
+    case = case_of(lines)
     case["rows"].append({"i": known["from"], "j": known["robot"], "normal": known["normal"], "offset": known["offset"]})
     case["sources"].append(case["sources"][0])
 

@@ -121,7 +121,7 @@ def test_a_value_of_another_kind_is_refused(copy, place, text, capsys):
 
 
 @pytest.mark.parametrize("name", [*FILES, LOG])
-@pytest.mark.parametrize("wrong", ["{}", "[1]", '"x"', "3", "null", '{"t": "0x0p+0", "version": 2}', '{"record": "frame"}'])
+@pytest.mark.parametrize("wrong", ["{}", "[1]", '"x"', "3", "null", '{"t": "0x0p+0", "version": 3}', '{"record": "frame"}'])
 def test_a_line_of_another_form_is_refused_with_its_number(copy, name, wrong, capsys):
     lines = lines_of(copy, name)
     lines.insert(4, json.loads(wrong))
@@ -133,7 +133,7 @@ def test_a_line_of_another_form_is_refused_with_its_number(copy, name, wrong, ca
 def test_another_version_is_refused(copy, name, capsys):
     lines = [{**line, "version": 1} for line in lines_of(copy, name)]
     rewritten(copy, lines, name)
-    assert f"{name}, line 1: version 1, where version 2 is read" in refusal(copy, capsys)
+    assert f"{name}, line 1: version 1, where version 3 is read" in refusal(copy, capsys)
 
 
 def places_in(value, path=()):
@@ -177,7 +177,7 @@ def test_whatever_is_in_the_files_there_is_a_verdict_in_words(copy, seed, capsys
     inner[last] = JUNK[rng.integers(len(JUNK))]
     rewritten(copy, lines, name)
     assert prove.main([str(copy)]) in (0, 1)
-    every = len(lines_of(copy)) + sum(len(record["sides"]) for record in lines_of(copy, HEADINGS))
+    every = len(lines_of(copy)) + sum(len(record["lines"]) for record in lines_of(copy, HEADINGS))
     verdict = capsys.readouterr().out.splitlines()[-1]
     assert verdict.startswith("not proved: ") or verdict == f"{every} certificates proved, 0 failed"
 

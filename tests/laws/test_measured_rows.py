@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from experiments.proof.edges import plane
 from experiments.proof.exact import Arc
 from experiments.proof.log import Frame
-from experiments.proof.measured import BEARING, FAR, NEAR, NEAR_OF_SIDES, Instant, of_measurement
+from experiments.proof.measured import BEARING, DIRECTION, FAR, NEAR, NEAR_OF_SIDES, Instant, of_measurement
 from experiments.proof.sides import Sides
 
 SIGHT = {"robot": 0, "target": 1}
@@ -66,7 +66,7 @@ def test_no_row_is_taken_that_cuts_off_a_place_that_is_allowed(seed):
     assert of_measurement(then, (0, 2), {"kind": kind, **SIGHT}, plane(normal.tolist()), Fraction(float(offset))) is None
     if link is None:
         return
-    assert link in ((BEARING,) if kind == "bearing" else (FAR, NEAR, NEAR_OF_SIDES))
+    assert link in ((BEARING,) if kind == "bearing" else (FAR, NEAR, NEAR_OF_SIDES, DIRECTION))
     for way in np.linspace(*arc, 41):
         for far in distances if kind == "range" else (0.0, 1.0, 1e3):
             assert far * normal @ unit(way) <= offset + 1e-12 * (1 + far)

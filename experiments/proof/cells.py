@@ -25,17 +25,20 @@ from experiments.proof.exact import (
     once_around,
     up,
 )
+from experiments.proof.log import Reading, Who
 from experiments.proof.measured import Instant, between
 from experiments.proof.polygon import Polygon
 from experiments.proof.reading import Broken, Record, exact
 from experiments.proof.shown import dot
 from experiments.proof.sides import compasses
 
-ROUNDS = 100  # no piece is cut more often
+# No piece is cut more often, there are no more, and tangents are no nearer to one another [rad]: or it would take for ever.
+ROUNDS, PIECES, LEAST_SPACING = 10, 2048, 0.01
 # As the filter widens everything, and counts tangents: which half-planes cut a piece depends on what those before have left.
 WIDENING, FEWER = Fraction(1, 10**8), 1e-5
 TURNS_ROUNDING = Fraction(1, 10**30)  # some turns on, an arc is wider by less [rad]
 Pose = tuple[Polygon, Arc]
+Said = Mapping[Who, Sequence[Reading]]
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,7 @@ class Target:
 def check_cases(line: Record, then: Instant) -> Arc:
     """Return what is proved of the robot's heading, if the line's claims hold in every case.
 
-    Its boxes and rows have to be proved before.
+    Its boxes and rows have to be proved before. Of what was measured, that counts which is `said` in the line.
 
     Raises:
         Broken: A piece is not within what is claimed, or the line is misshapen.
@@ -75,7 +78,11 @@ def check_cases(line: Record, then: Instant) -> Arc:
     robot, claimed = line["robot"], arc_around(*(float(exact(value)) for value in line["heading"]))
     claims = [(plane(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
     places, spacing = _places(line), float(exact(line["spacing"]))
-    targets = [_target(then, robot, body, places) for body in _told(then, robot)]
+    if spacing < LEAST_SPACING or len(line["pieces"]) > PIECES:
+        raise Broken(f"{len(line['pieces'])} pieces, tangents {spacing:g} rad apart")
+    said = {who: then.frame.of(*who) for who in ((one["kind"], one["robot"], one["target"]) for one in line["said"])}
+    bodies = sorted({body for _, *two in said for body in two} - {robot})
+    targets = [_target(then, robot, body, places, said) for body in bodies]
     looks, arcs = in_common(then.headings[robot], compasses(then.frame, robot)), list[Arc]()
     waiting: list[Pose | None] = [(places[robot], once_around(looks))]
     for piece in line["pieces"]:
@@ -112,25 +119,17 @@ def _places(line: Record) -> dict[int, Polygon]:
     return found
 
 
-def _told(then: Instant, robot: int) -> list[int]:
-    """Return the bodies that a robot measured, or was measured by."""
-    found = set[int]()
-    for _, one, other in then.frame.readings:
-        found |= {one, other} - {robot} if other is not None and robot in (one, other) else set()
-    return sorted(found)
-
-
-def _target(then: Instant, robot: int, body: int, places: Mapping[int, Polygon]) -> Target:
+def _target(then: Instant, robot: int, body: int, places: Mapping[int, Polygon], said: Said) -> Target:
     """Return a body as a target of a robot; bearings come before ranges, and the robot's own before its mate's."""
-    robots, of = then.log.robots, then.frame.of
+    robots = then.log.robots
     mark = then.log.landmarks[body - robots] if body >= robots else None
     both = ((robot, body), (body, robot))[: 1 if mark else 2]
     readings: list[Bearing | Range] = []
     for who, whom in both:
-        for value, bound in sorted((one["bearing"], one["bound"] + WIDENING) for one in of("bearing", who, whom)):
+        for value, bound in sorted((one["bearing"], one["bound"] + WIDENING) for one in said.get(("bearing", who, whom), ())):
             heading = None if who == robot else in_common(then.headings[who], compasses(then.frame, who))
             readings.append(Bearing(value, bound, heading.widened(value, bound).opposite if heading else None))
-    found = (between(one) for who, whom in both for one in of("range", who, whom))
+    found = (between(one) for who, whom in both for one in said.get(("range", who, whom), ()))
     ranges = [Range(least * (1 - WIDENING), greatest * (1 + WIDENING)) for least, greatest in found]
     nearest = max((one.least for one in ranges), default=Fraction(0))
     return Target(places[body] if mark is None else Polygon.point(mark), [*readings, *ranges], nearest)

@@ -187,6 +187,8 @@ def _both(known: Arc, arc: Arc) -> Arc:
 
 def _pieces(narrow: Arc, wide: Arc) -> list[Arc]:
     """Return an arc as many turns on as it meets another; floats say which turns are worth a look."""
+    if wide.high - wide.low >= 2 * (PI + PI_ROUNDING):
+        return [narrow]
     low, high = float(narrow.low - wide.high) - ALMOST, float(narrow.high - wide.low) + ALMOST
     pieces = [wide.turned(turns) for turns in range(ceil(low / (2 * pi)), floor(high / (2 * pi)) + 1)]
     return [piece for piece in pieces if piece.low <= narrow.high and narrow.low <= piece.high]

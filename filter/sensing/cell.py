@@ -61,9 +61,8 @@ class Scale(NamedTuple):
 
 
 Line = tuple[float, float, float]  # x, y and offset of x p_x + y p_y = offset
-Pose = tuple[
-    Array, Array
-]  # room for the vertices of a cell (CELL_CORNERS, 2) [m], and its heading (2,), centre and bound [rad]
+# Room for the vertices of a cell (CELL_CORNERS, 2) [m], and its heading (2,), centre and bound [rad].
+Pose = tuple[Array, Array]
 
 
 @compiled

@@ -197,6 +197,16 @@ def a_piece_that_is_cut_for_ever(lines):
     case_of(lines)["pieces"][0]["rounds"] = 10**9
 
 
+@forged("rad apart", HEADINGS)
+def a_case_of_tangents_without_end(lines):
+    case_of(lines)["spacing"] = (1e-9).hex()
+
+
+@forged("can be beyond what is claimed", HEADINGS)
+def a_case_of_readings_that_are_not_said(lines):
+    case_of(lines)["said"].clear()
+
+
 @forged("follows from nothing known", HEADINGS)
 def a_case_that_begins_too_small(lines):
     row = case_of(lines)["rows"][0]

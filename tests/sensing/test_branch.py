@@ -10,7 +10,6 @@ from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.measurements import Bearing, Range
 from filter.sensing.cells import ByCases, Places, Told, by_cases
-from filter.sensing.cone import directions
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -19,7 +18,6 @@ seeds = st.integers(0, 2**32 - 1)
 WHERE = ["anywhere", "corner", "edge", "beside an edge", "beside a corner"]
 COARSE, MIDDLE, FINE = np.radians(30), np.radians(15), np.radians(3)
 CIRCLE = np.linspace(0, 2 * np.pi, 4001)[:-1]
-CORNERS = {"hexagon": 6, "segment": 2, "point": 1}
 
 
 def left(box, marks, records, heading=(0.0, np.pi), *, cells=64, spacing=COARSE) -> ByCases | None:
@@ -147,29 +145,6 @@ def test_a_heading_is_split_for_two_bearings_and_not_for_one():
     assert not of_headings[0].any()
     assert of_headings[1].any()
     assert left(box, marks, [two], (0.0, 1.5)).heading[1] < left(box, marks, [one], (0.0, 1.5)).heading[1]
-
-
-@given(seeds, *[st.sampled_from(sorted(CORNERS))] * 2, st.sampled_from(["apart", "overlapping", "touching"]))
-def test_true_directions_are_in_the_arc_whatever_the_sets(seed, one, other, how):
-    rng = np.random.default_rng(seed)
-    cell, points = (Polygon.hull(rng.normal(size=(CORNERS[each], 2))).vertices for each in (one, other))
-    points = points + {"apart": cell[0] + 4, "overlapping": cell.mean(0) - points.mean(0), "touching": cell[0] - points[0]}[how]
-    nearest = rng.uniform(0.01, 1)
-    centre, bound, farthest = directions(cell, len(cell), points, nearest, 1e-12)
-    weights = [rng.dirichlet(np.full(len(each), 0.3), 400) for each in (cell, points)]
-    apart = np.concatenate([weights[1] @ points - weights[0] @ cell, (points[:, None] - cell).reshape(-1, 2)])
-    away = np.hypot(*apart.T)
-    seen = apart[away >= nearest]
-    assert (away <= farthest).all()
-    assert (np.abs(wrap(np.arctan2(seen[:, 1], seen[:, 0]) - centre)) <= bound).all()
-    assert bound <= np.pi
-
-
-@pytest.mark.parametrize("hair", [0.0, 1e-12, -1e-12, 1e-9, -1e-9])
-def test_a_mark_on_the_edge_of_a_cell_is_in_half_of_all_directions(hair):
-    cell = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    _, bound, _ = directions(cell, 4, np.array([[1.0 + hair, 0.3]]), 0.5, 1e-13)
-    assert bound == pytest.approx(np.pi / 2, abs=1e-6)
 
 
 @pytest.mark.parametrize(("mark", "distance"), [([1.5, 2.5], 1.0), ([3.0, 2.5], 2.8)])

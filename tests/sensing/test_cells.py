@@ -13,7 +13,6 @@ from filter.linear.sources import Source
 from filter.measurements import Bearing, Range
 from filter.sensing.cell import CELL_CORNERS, Scale, cut
 from filter.sensing.cells import Places, Told, as_sets, by_cases
-from filter.sensing.cone import directions
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -133,26 +132,6 @@ def test_the_filter_names_all_that_leaves_a_robot_no_place():
     with pytest.raises(Inconsistent) as caught:
         estimator.update(belief, [Range(0.0, 0, [1, 2], [2.0, 2.0], 0.1, 0.0)])
     assert {Source("range", 0.0, 0, 1), Source("range", 0.0, 0, 2)} <= set(caught.value.sources)
-
-
-@given(seeds)
-def test_directions_hold_from_everywhere_that_is_not_too_near(seed):
-    rng = np.random.default_rng(seed)
-    cell, points = (
-        np.array(shapely.MultiPoint(rng.normal(size=(6, 2))).convex_hull.exterior.coords)[:-1][::-1] for _ in range(2)
-    )
-    points = points * 10.0 ** rng.uniform(-3, 0) + rng.normal(size=2)
-    if rng.random() < 0.3:
-        points = cell[:1] + 0.0  # the target is a corner
-    nearest = float(rng.choice([0.0, 0.1, 1.0]))
-    centre, bound, farthest = directions(cell, len(cell), points, nearest, 1e-9)
-    weights = rng.dirichlet(np.full(len(cell), 0.3), 300), rng.dirichlet(np.full(len(points), 0.3), 300)
-    apart = weights[1] @ points - weights[0] @ cell
-    away = np.hypot(*apart.T)
-    assert (away <= farthest).all()
-    seen = apart[(away >= nearest) & (away > 1e-6)]
-    if bound < np.pi:
-        assert (np.abs(wrap(np.arctan2(seen[:, 1], seen[:, 0]) - centre)) <= bound).all()
 
 
 @given(seeds)

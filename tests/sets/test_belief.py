@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 from helpers.worlds import World, exact_claim
 
-from filter.geometry.polygon import Polygon
 from filter.linear.sources import KINDS, Source, Sources
-from filter.measurements import Range
 from filter.sets.proof import Proof
 from filter.sets.set_membership import SetMembershipFilter
-from filter.team import Team
 
 
 def arrays_within(thing):
@@ -139,21 +136,3 @@ def test_proofs_are_of_all_edges_of_the_sides_of_the_boxes_and_of_pairs(believed
             rows, multipliers = proof.rests_on(claim)
             assert len(rows) == len(multipliers)
             assert exact_claim(proof, claim) <= 0
-
-
-def test_edges_of_a_later_round_name_what_they_were_proved_from_before_the_update():
-    """Of what the first round found, `region` at the same time would say nothing."""
-    places = np.array([[0.0, 0.0], [2.0, 0.5], [-1.0, 2.0]])
-    marks = np.array([[-4.0, -3.0], [4.0, -3.0], [0.0, 5.0]])
-    bodies = np.concatenate([places, marks])
-    who, whom = np.array([(a, b) for a in range(3) for b in range(a + 1, 6)]).T
-    away = np.hypot(*(bodies[whom] - bodies[who]).T)
-    estimator = SetMembershipFilter(Team(3, marks, 0.5, 1.0))
-    start = estimator.start(0.0, [Polygon.box([-6, -6], [6, 6])] * 3)
-    found = estimator.update(start, [Range(0.0, who, whom, away, 0.1, 0.0)])
-    assert len(list(found.proofs_of("regions"))) > 1
-    for robot, region in enumerate(found.regions):
-        for edge in range(len(region.causes)):
-            named = found.causes(robot, edge)
-            assert {source.kind for source in named} <= {"range", "cells", "initial set"}, named
-            assert named

@@ -73,6 +73,11 @@ class Polytope(Frozen):
         lower, upper = self.around(rows.i, rows.j)
         return Polytope(rows.shifted(share * (upper - lower).sum(axis=1)), self.lower - by, self.upper + by, self.origin)
 
+    def within(self, other: Polytope) -> Polytope:
+        """Return what is in both, boxes too."""
+        rows = Constraints.concatenate([self.constraints, other.constraints])
+        return Polytope(rows, np.maximum(self.lower, other.lower), np.minimum(self.upper, other.upper), self.origin)
+
 
 def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constraints:
     """Return the polytope's rows with at most so many left on each robot and on each pair: dropping rows is always sound.

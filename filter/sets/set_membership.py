@@ -182,7 +182,8 @@ class SetMembershipFilter(Frozen):
             areas = found.regions.outer.areas
             if not matter(again, areas):
                 break
-            later, again = self._round(replace(found, polytope=found.polytope.loosened(APART)), readings, is_over, again)
+            start = found.polytope.loosened(APART).within(belief.polytope)
+            later, again = self._round(replace(found, polytope=start), readings, is_over, again)
             found = replace(later, proofs=found.proofs + later.proofs, events=found.events + later.events)
             if not are_smaller(found.regions.outer.areas, areas):
                 break

@@ -44,6 +44,20 @@ def test_polygons_at_a_glance_contain_what_the_polytope_allows(seed):
         assert of_pair(team, i, j)[0].contains(allowed[:, j] - allowed[:, i]).all()
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_loosened_rows_and_boxes_allow_what_the_rows_did_and_no_more_within_these(seed):
+    team, _ = polytope(np.random.default_rng(seed))
+    loose = team.loosened(0.01)
+    assert (loose.constraints.offset > team.constraints.offset).all()
+    assert (loose.lower < team.lower).all()
+    assert (loose.upper > team.upper).all()
+    for robot in range(3):
+        allowed, known = of_robot(loose, robot)[0], of_robot(team, robot)[0]
+        assert allowed.contains(known.vertices).all()
+        assert allowed.area > known.area
+        assert of_robot(loose.within(team), robot)[0].area == pytest.approx(known.area)
+
+
 def test_edges_name_their_rows():
     team, _ = polytope(np.random.default_rng(0))
     for polygon, edges, wanted in ((*of_robot(team, 1), (-1, 1)), (*of_pair(team, 0, 2), (0, 2))):

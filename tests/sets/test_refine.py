@@ -100,8 +100,9 @@ def test_a_filter_whose_solver_fails_still_contains_the_truth(kind):
         assert {region.reason for region in belief.regions} == {"solver"}
 
 
-def test_a_region_is_within_what_was_known_of_the_robot_before():
-    world = World(np.random.default_rng(2), robots=3)
+@pytest.mark.parametrize("seed", [2, 3, 4])
+def test_a_region_is_within_what_was_known_of_the_robot_before(seed):
+    world = World(np.random.default_rng(seed), robots=3)
     estimator = SetMembershipFilter(world.team)
     belief = begun(estimator, world)
     after = estimator.update(belief, world.measure())

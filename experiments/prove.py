@@ -42,6 +42,8 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         OSError: There is no such file.
     """
     log = Log(folder)
+    for name in (HEADINGS, LINES, REGIONS, SUMMARY, *(TRAJECTORY.format(robot) for robot in range(log.robots))):
+        (folder / name).stat()  # what is missing is said before the proof, which takes a while
     chain, told, proved, progress = Chain(log), Told(log), list[list[Region]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     for frame in log.frames:

@@ -73,7 +73,7 @@ def links_of(path):
 
 def test_any_run_is_proved(tmp_path_factory):
     links, rejected = {}, 0
-    for seed in (0, 1, 3, 5, 7, 10, 14, 15):
+    for seed in (0, 1, 3, 5, 10, 14, 15):
         path = tmp_path_factory.mktemp("any")
         rejected += run(path, seed)
         for name, count in links_of(path).items():

@@ -21,16 +21,16 @@ def verdicts(team, steps, claimed, tolerance):
         yield from judge.verdicts(frame, beliefs, claimed)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(5))
 def test_no_true_pose_is_accused_at_any_rate_by_any_clock(seed):
     driven, team, steps = world(seed, steady=seed % 2 == 0, limit=0.5 if seed % 3 else 0.5 * (seed % 2))
     offset, tolerance = driven.rng.uniform(-1e3, 1e3), driven.rng.choice([1e-6, 1e-3, 0.3])
-    ticks = np.sort(driven.rng.choice(round(steps[-1].frame.time / TICK) + 1, 2500, replace=False))
+    ticks = np.sort(driven.rng.choice(round(steps[-1].frame.time / TICK) + 1, 1000, replace=False))
     judged = 0
     for verdict in verdicts(team, steps, driven.poses(ticks, offset, tolerance), tolerance):
         assert verdict.alarms == {}
         judged += verdict.judged.sum()
-    assert judged == 10_000  # of 4 robots; 100 000 in all worlds
+    assert judged == 4000  # of 4 robots
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -50,7 +50,7 @@ def test_every_alarm_is_confirmed_by_fractions(seed):
     assert alarms > 50
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_poses_at_frames_are_proved_wrong_as_by_their_own_frame_alone(seed):
     driven, team, steps = world(seed)
     ticks, shift = np.array([round(step.frame.time / TICK) for step in steps]), driven.rng.normal(0, 0.15, 2)

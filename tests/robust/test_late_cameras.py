@@ -54,7 +54,7 @@ def told(beliefs):
 
 
 @pytest.mark.parametrize("begins", [0, 100])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_late_camera_is_suspected_and_from_then_on_does_no_harm(seed, begins):
     world, beliefs = world_of(seed), []
     for belief in late_touring(world, begins + 300, (begins, np.inf)):
@@ -89,7 +89,7 @@ def test_whoever_has_believed_a_late_camera_lately_starts_over_with_its_robot(se
     assert believers <= restarted
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_camera_that_is_on_time_is_never_late(seed):
     world = world_of(seed, errors="extreme")
     for belief in late_touring(world, 400, (np.inf, np.inf)):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from filter.geometry.polygon import Polygon
@@ -76,6 +76,7 @@ def test_a_sector_reaches_no_farther_than_its_trapezoid_and_its_disc(centre, bou
     assert sector_supports(centre, bound, nearest, farthest) == pytest.approx(reach, abs=1e-11)
 
 
+@settings(max_examples=40)
 @given(st.floats(-4, 4), st.sampled_from([0.01, 0.3, 1.0, 2.0, np.pi]), st.floats(0, 2), st.floats(0.1, 2), st.floats(-1, 1))
 def test_a_place_is_seen_from_where_the_half_planes_of_the_sector_say(way, bound, nearest, more, aside):
     """Those of `filter.geometry.sector`, turned round: the place is in the sector of whoever sees it."""

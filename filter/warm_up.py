@@ -15,10 +15,10 @@ from filter.robust.robust_filter import RobustFilter
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
-# A small scene: robots that drive straight on among landmarks and see everything, each measurement right but the last range.
+# A small scene: robots that drive straight on among landmarks and see everything; at last there is a range alone, and it is wrong.
 PLACES, HEADINGS = np.array([[0.0, 0.0], [2.0, 0.5], [1.0, 2.0]]), np.array([0.3, 2.0, -1.0])  # [m] [rad]
 LANDMARKS = np.array([[3.0, 3.0], [-1.0, 2.0]])  # [m]
-STEPS, DURATION, DRIVEN, BOUND, LIE = 3, 0.125, 0.05, 0.05, 1.0  # [1] [s] [m] [m] or [rad] [m]
+STEPS, DURATION, DRIVEN, BOUND, LIE = 4, 0.125, 0.05, 0.05, 1.0  # [1] [s] [m] [m] or [rad] [m]
 
 
 def warm_up() -> int:
@@ -52,16 +52,20 @@ def _follow(filter_: Any) -> None:
 
 
 def _scene() -> Iterator[tuple[Odometry, list[Measurement]]]:
-    """Yield what each step brings; in the last one a robot has no odometry, none has a compass, and a range is a lie."""
+    """Yield what each step brings; before the last one, a robot has no odometry and none has a compass.
+
+    The wrong range is alone, as the search for what is wrong takes the longer, the more is measured.
+    """
     robots, bodies = len(PLACES), len(PLACES) + len(LANDMARKS)
     who, whom = np.divmod(np.flatnonzero(~np.eye(robots, bodies, dtype=bool)), bodies)
     ways = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)], axis=1)
     for step in range(1, STEPS + 1):
-        time, last = step * DURATION, step == STEPS
+        time, blind = step * DURATION, step == STEPS - 1
         places = PLACES + step * DRIVEN * ways
         apart = np.concatenate([places, LANDMARKS])[whom] - places[who]
         bearings, ranges = np.arctan2(apart[:, 1], apart[:, 0]) - HEADINGS[who], np.hypot(*apart.T)
-        ranges[-1] += LIE * last
-        records: list[Measurement] = [] if last else [Compass(time, np.arange(robots), HEADINGS, BOUND)]
+        records: list[Measurement] = [] if blind else [Compass(time, np.arange(robots), HEADINGS, BOUND)]
         records += [Bearing(time, who, whom, bearings, BOUND), Range(time, who, whom, ranges, BOUND, 0)]
-        yield Odometry(time - DURATION, time, np.arange(robots - last), DRIVEN, BOUND, 0, BOUND, BOUND, BOUND), records
+        if step == STEPS:
+            records = [Range(time, who[-1], whom[-1], ranges[-1] + LIE, BOUND, 0)]
+        yield Odometry(time - DURATION, time, np.arange(robots - blind), DRIVEN, BOUND, 0, BOUND, BOUND, BOUND), records

@@ -28,7 +28,7 @@ from experiments.proof.shown import Region, checked_region
 from experiments.proof.told import Told
 
 LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz"
-SUMMARY, TRAJECTORY = "summary.json", "trajectories/r{}_filter.tum"
+SUMMARY, TRAJECTORY, RECORDING = "summary.json", "trajectories/r{}_filter.tum", "moving_team.rrd"
 BAR = 40  # characters
 TRUST = "on trust: "
 OTHER_ENTITIES = f"{TRUST}entities of the recording that are of no region"
@@ -42,8 +42,12 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         OSError: There is no such file.
     """
     log = Log(folder)
-    for name in (HEADINGS, LINES, REGIONS, SUMMARY, *(TRAJECTORY.format(robot) for robot in range(log.robots))):
+    needed = [HEADINGS, LINES, REGIONS, SUMMARY, RECORDING, *(TRAJECTORY.format(robot) for robot in range(log.robots))]
+    for name in needed:
         (folder / name).stat()  # what is missing is said before the proof, which takes a while
+    for path in sorted(folder.glob(TRAJECTORY.format("*"))):
+        if str(path.relative_to(folder)) not in needed:
+            raise Broken(f"{path.name}: a trajectory of a robot that there is not")
     chain, told, proved, progress = Chain(log), Told(log), list[list[Region]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     for frame in log.frames:
@@ -105,7 +109,7 @@ def judged(folder: Path) -> tuple[int, str]:
         counts = prove(folder, _show)
     except Broken as error:
         _show("\n")
-        return 1, f"not proved: {error}"
+        return 1, f"not proved: {str(error).encode('unicode_escape').decode()}"  # a file may say what a terminal obeys
     by_trust = sorted(counts.items(), key=lambda one: (not one[0].startswith(TRUST), one[0]))
     return 0, "\n".join(
         [*(f"{count:8d} {name}" for name, count in by_trust), f"{counts['certificates']} certificates proved, 0 failed"]

@@ -15,7 +15,7 @@ from filter.robust.robust_filter import RobustFilter
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
-# A small scene: robots that drive straight on among landmarks and see everything; at last there is a range alone, and it is wrong.
+# A small scene: robots that drive straight on among landmarks and see everything; at last a range comes alone, and is wrong.
 PLACES, HEADINGS = np.array([[0.0, 0.0], [2.0, 0.5], [1.0, 2.0]]), np.array([0.3, 2.0, -1.0])  # [m] [rad]
 LANDMARKS = np.array([[3.0, 3.0], [-1.0, 2.0]])  # [m]
 STEPS, DURATION, DRIVEN, BOUND, LIE = 4, 0.125, 0.05, 0.05, 1.0  # [1] [s] [m] [m] or [rad] [m]

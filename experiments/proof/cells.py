@@ -13,7 +13,7 @@ from fractions import Fraction
 from math import ceil, cos, pi, sin
 
 from experiments.proof.cone import ANYWHERE, HAIR, directions
-from experiments.proof.edges import WORLD, plane
+from experiments.proof.edges import WORLD, plane, unit_normal
 from experiments.proof.exact import (
     PI,
     Arc,
@@ -28,12 +28,12 @@ from experiments.proof.exact import (
 from experiments.proof.log import Reading, Who
 from experiments.proof.measured import Instant, between
 from experiments.proof.polygon import Polygon
-from experiments.proof.reading import Broken, Record, exact
+from experiments.proof.reading import Broken, Record, exact, shown
 from experiments.proof.shown import dot
 from experiments.proof.sides import compasses
 
-# No piece is cut more often, there are no more, and tangents are no nearer to one another [rad]: or it would take for ever.
-ROUNDS, PIECES, LEAST_SPACING = 10, 2048, 0.01
+# No piece is cut more often, tangents are no nearer to one another [rad], and there are no more cuts in all.
+ROUNDS, LEAST_SPACING, CUTS = 10, 0.01, 2_000_000
 # As the filter widens everything, and counts tangents: which half-planes cut a piece depends on what those before have left.
 WIDENING, FEWER = Fraction(1, 10**8), 1e-5
 TURNS_ROUNDING = Fraction(1, 10**30)  # some turns on, an arc is wider by less [rad]
@@ -76,20 +76,17 @@ def check_cases(line: Record, then: Instant) -> Arc:
         Broken: A piece is not within what is claimed, or the line is misshapen.
     """
     robot, claimed = line["robot"], arc_around(*(float(exact(value)) for value in line["heading"]))
-    claims = [(plane(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
+    claims = [(unit_normal(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
     places, spacing = _places(line), float(exact(line["spacing"]))
-    if spacing < LEAST_SPACING or len(line["pieces"]) > PIECES:
-        raise Broken(f"{len(line['pieces'])} pieces, tangents {spacing:g} rad apart")
     said = {who: then.frame.of(*who) for who in ((one["kind"], one["robot"], one["target"]) for one in line["said"])}
+    _bound_work(line, spacing, sum(map(len, said.values())))
     bodies = sorted({body for _, *two in said for body in two} - {robot})
     targets = [_target(then, robot, body, places, said) for body in bodies]
     looks, arcs = in_common(then.headings[robot], compasses(then.frame, robot)), list[Arc]()
     waiting: list[Pose | None] = [(places[robot], once_around(looks))]
     for piece in line["pieces"]:
-        pose, rounds = waiting.pop(), piece["rounds"]
-        if type(rounds) is not int or not 0 <= rounds <= ROUNDS:
-            raise Broken(f"so many rounds: {rounds}")
-        for _ in range(rounds):
+        pose = waiting.pop()
+        for _ in range(piece["rounds"]):
             for target in targets:
                 pose = _seen(pose, target, spacing) if pose else None
         if "line" in piece:
@@ -104,6 +101,15 @@ def check_cases(line: Record, then: Instant) -> Arc:
         if all(heading.covers(arc) for arc in arcs):
             return heading
     raise Broken(f"in one of the cases robot {robot} can look elsewhere than what is claimed")
+
+
+def _bound_work(line: Record, spacing: float, readings: int) -> None:
+    """Raise `Broken` where it would take for ever: pieces may be cut so often, by each reading, and by each of its tangents."""
+    rounds = [piece["rounds"] for piece in line["pieces"]]
+    if not all(type(count) is int and 0 <= count <= ROUNDS for count in rounds):
+        raise Broken(f"rounds from 0 to {ROUNDS} were expected, not {shown(rounds)}")
+    if not spacing >= LEAST_SPACING or sum(rounds) * readings * (1 + 2 * pi / spacing) > CUTS:
+        raise Broken(f"{sum(rounds)} rounds of {readings} readings, with tangents {spacing:g} rad apart, are too many")
 
 
 def _places(line: Record) -> dict[int, Polygon]:

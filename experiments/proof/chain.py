@@ -11,14 +11,15 @@ from fractions import Fraction
 from math import pi
 
 from experiments.proof.cells import check_cases
-from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner
+from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner, unit_normal
 from experiments.proof.exact import Arc, Motion, Vector, arc_around, in_common
 from experiments.proof.line import check
 from experiments.proof.log import Frame, Log
 from experiments.proof.measured import Instant, of_measurement
-from experiments.proof.reading import Broken, Record, exact, located, shown
+from experiments.proof.reading import VERSION, Broken, Record, exact, located, shown
 from experiments.proof.sides import Sides, compasses
 
+MOST = 1000  # edges of one robot or pair in a step: any two of them may prove something
 Placed = tuple[str, Record]  # a record and its place in words
 
 
@@ -85,15 +86,16 @@ class Chain:
         self.lines += 1
         if float(exact(line["t"])) != self._instants[-1].frame.time:
             raise Broken("a line of another time than its frame's")
-        if "pieces" not in line:
-            check(line)
+        if line["version"] != VERSION:
+            raise Broken(f"version {shown(line['version'])}, where version {VERSION} is read")
+        proved = check(line) if "pieces" not in line else None
         self._check_boxes(line)
         for row, source in zip(line["rows"], line["sources"], strict=True):
             self._check_row(row, source)
-        if "pieces" in line:
+        if proved is None:
             self._case_by_case(line)
         elif "side" in line:
-            self.sides.add(line)
+            self.sides.add(line, proved)
         else:
             self._claim(line)
 
@@ -101,7 +103,7 @@ class Chain:
         robot = line["robot"]
         self._looks[robot] = in_common(self._looks[robot], [check_cases(line, self._instants[-1])])
         for claim in line["claims"]:
-            _add(self.edges, (WORLD, robot), plane(claim["normal"]), exact(claim["offset"]))
+            _add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
         self.links["robots, case by case"] += 1
 
     def _begin(self) -> Frame:
@@ -174,7 +176,7 @@ class Chain:
         if (key := str((row["i"], row["j"], row["normal"], row["offset"], source))) in self._seen:
             return
         self._seen.add(key)
-        offset, normal, pair = exact(row["offset"]), plane(row["normal"]), (row["i"], row["j"])
+        offset, normal, pair = exact(row["offset"]), unit_normal(row["normal"]), (row["i"], row["j"])
         now, kind, time = len(self._proved) - 1, source["kind"], float(exact(source["t"]))
         link = self._of_edges(pair, normal, offset, self._number(time) if kind in ("region", "cells") else now - 1)
         if link is None and row["i"] < 0 and not now:
@@ -185,7 +187,7 @@ class Chain:
             then = offset - self._growth((*pair, normal, taken))
             link = of_measurement(self._instants[taken], pair, source, normal, then)
         if link is None:
-            raise Broken(f"a row on {row['i']}, {row['j']} follows from nothing known; it says it is of {source}")
+            raise Broken(f"a row on {shown(pair)} follows from nothing known; it says it is of {shown(source)}")
         self.links[link] += 1
 
     def _number(self, time: float) -> int:
@@ -224,6 +226,8 @@ class Chain:
 def _add(edges: Edges, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
     known = edges.setdefault(pair, {})
     known[normal] = min(offset, known.get(normal, offset))
+    if len(known) > MOST:
+        raise Broken(f"more than {MOST} edges of {pair} in one step")
 
 
 def _degrees(arc: Arc) -> str:

@@ -1,10 +1,12 @@
 """Edges that were proved of a robot or a pair, and what two of them say together. Exact arithmetic, standard library only."""
 
+from collections.abc import Iterator
 from fractions import Fraction
+from math import isfinite
 from typing import Any
 
 from experiments.proof.exact import Vector
-from experiments.proof.reading import exact
+from experiments.proof.reading import Broken, exact
 
 SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
 WORLD = -1
@@ -16,6 +18,18 @@ Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j
 def plane(normal: Any) -> Vector:
     """Return a normal, of two numbers or two C99 hexadecimal strings, as exact numbers."""
     x, y = (exact(value) if isinstance(value, str) else Fraction(value) for value in normal)
+    return x, y
+
+
+def unit_normal(normal: Any) -> Vector:
+    """Return a normal as exact numbers.
+
+    Raises:
+        Broken: Its length is not between 1/2 and 2: floats, which say what is worth a look, could be far off.
+    """
+    x, y = plane(normal)
+    if not Fraction(1, 4) <= x * x + y * y <= 4:
+        raise Broken(f"a normal of length 1 was expected, not ({float(x):.6g}, {float(y):.6g})")
     return x, y
 
 
@@ -35,23 +49,27 @@ def through_corner(edges: dict[Vector, Fraction], normal: Vector, enough: Fracti
 
     Those that seem best to floats are tried, until one proves enough, or some have been.
     """
-    x, y = float(normal[0]), float(normal[1])
-    doubt, pairs = ALMOST * (abs(x) + abs(y)), []
-    floats = [(edge, float(edge[0]), float(edge[1]), float(offset)) for edge, offset in edges.items()]
-    for a, ax, ay, of_a in floats:
-        by_b = ax * y - ay * x
-        for b, bx, by, of_b in floats if by_b >= -doubt else ():
-            turned, by_a = ax * by - ay * bx, x * by - y * bx
-            if turned > 0 and by_a >= -doubt:
-                pairs.append(((by_a * of_a + by_b * of_b) / turned, a, b))
     found = []
-    for _, a, b in sorted(pairs, key=lambda pair: pair[0]):
+    for _, a, b in sorted(_pairs(edges, normal), key=lambda pair: pair[0]):
         bound = of_two(edges, a, b, normal)
         if bound is not None:
             found.append(bound)
             if len(found) == TRIED or (enough is not None and bound <= enough):
                 break
     return min(found, default=edges.get(normal))
+
+
+def _pairs(edges: dict[Vector, Fraction], normal: Vector) -> Iterator[tuple[float, Vector, Vector]]:
+    """Yield the offset that two edges prove, as nearly as floats tell, and these."""
+    x, y = float(normal[0]), float(normal[1])
+    doubt = ALMOST * (abs(x) + abs(y))
+    floats = [(edge, float(edge[0]), float(edge[1]), float(offset)) for edge, offset in edges.items()]
+    for a, ax, ay, of_a in floats:
+        by_b = ax * y - ay * x
+        for b, bx, by, of_b in floats if by_b >= -doubt else ():
+            turned, by_a = ax * by - ay * bx, x * by - y * bx
+            if turned > 0 and by_a >= -doubt and isfinite(least := (by_a * of_a + by_b * of_b) / turned):
+                yield least, a, b
 
 
 def of_two(edges: dict[Vector, Fraction], a: Vector, b: Vector, normal: Vector) -> Fraction | None:

@@ -15,7 +15,6 @@ CIRCLE = Fraction(4)  # more than half a turn
 TURNS = 1000  # an angle of more turns is refused
 DIGITS, KEPT = 200, 110  # binary digits after the point: of the series, and of what is rounded outward
 TERMS = 32
-ALMOST = 1e-9  # what floats say of angles is not wrong by more [rad]
 FINE = Fraction(1, 1 << 90)  # how well the angle of a vector is known [rad]
 
 
@@ -186,11 +185,11 @@ def _both(known: Arc, arc: Arc) -> Arc:
 
 
 def _pieces(narrow: Arc, wide: Arc) -> list[Arc]:
-    """Return an arc as many turns on as it meets another; floats say which turns are worth a look."""
-    if wide.high - wide.low >= 2 * (PI + PI_ROUNDING):
+    """Return an arc as many turns on as it meets another."""
+    if max(wide.high - wide.low, narrow.high - narrow.low) >= 2 * (PI + PI_ROUNDING):
         return [narrow]
-    low, high = float(narrow.low - wide.high) - ALMOST, float(narrow.high - wide.low) + ALMOST
-    pieces = [wide.turned(turns) for turns in range(ceil(low / (2 * pi)), floor(high / (2 * pi)) + 1)]
+    first, last = floor((narrow.low - wide.high) / (2 * PI)), ceil((narrow.high - wide.low) / (2 * PI))
+    pieces = [wide.turned(turns) for turns in range(first, last + 1)]
     return [piece for piece in pieces if piece.low <= narrow.high and narrow.low <= piece.high]
 
 

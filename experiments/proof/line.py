@@ -7,15 +7,21 @@ c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; it is prov
 
 from fractions import Fraction
 
-from experiments.proof.edges import WORLD
-from experiments.proof.reading import Broken, Record, exact
+from experiments.proof.edges import WORLD, unit_normal
+from experiments.proof.reading import Broken, Record, exact, shown
 
 
-def check(line: Record) -> None:
-    """Raise `Broken` unless the line proves its claim."""
-    excess = greatest(line) - exact(line["offset"])
+def check(line: Record) -> Fraction:
+    """Return the offset that a line proves, which is its claim's or less.
+
+    Raises:
+        Broken: It is greater.
+    """
+    proved = greatest(line)
+    excess = proved - exact(line["offset"])
     if excess > 0:
         raise Broken(f"its rows prove an offset that is greater by {float(excess):.3g} m")
+    return proved
 
 
 def greatest(line: Record) -> Fraction:
@@ -26,7 +32,9 @@ def greatest(line: Record) -> Fraction:
     """
     for i, j in ((line["from"], line["robot"]), *((row["i"], row["j"]) for row in line["rows"])):
         if not (type(i) is type(j) is int and WORLD <= i < j):
-            raise Broken(f"a pair {i}, {j} that is none, or in the wrong order")
+            raise Broken(f"a pair {shown(i)}, {shown(j)} that is none, or in the wrong order")
+    for one in (line, *line["rows"]):
+        unit_normal(one["normal"])
     rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
     if line["from"] != WORLD:
         rest |= {(line["from"], k): -exact(value) for k, value in enumerate(line["normal"])}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from math import inf, isfinite
 
 from experiments.proof.edges import across
 from experiments.proof.exact import Vector
@@ -13,6 +14,7 @@ from experiments.proof.shown import dot
 Line = tuple[Vector, Fraction]  # normal . p = offset
 # Floats say which corners matter; where they are nearer than this share of the numbers in them, fractions decide.
 DOUBT = 1e-12
+LEAST_DOUBT = 1e-290  # where products of floats are too small to be right to a share
 
 
 class Polygon:
@@ -49,14 +51,14 @@ class Polygon:
         return cls([], [place])
 
     def along(self, normal: Vector) -> list[float]:
-        """Return normal . p of all corners, to a share `DOUBT` of the numbers in it."""
+        """Return normal . p of all corners, to a share `DOUBT` of the numbers in it; infinity where floats cannot tell."""
         x, y = float(normal[0]), float(normal[1])
-        return [x * p + y * q for p, q in self.floats]
+        return [value if isfinite(value := x * p + y * q) else inf for p, q in self.floats]
 
     def most(self, normal: Vector) -> Fraction:
         """Return the greatest normal . p."""
         along = self.along(normal)
-        least = max(along) - self._doubt(normal)
+        least = max(along) - self._doubt(normal) if isfinite(max(along)) else -inf
         return max(dot(normal, corner) for corner, value in zip(self.corners, along, strict=True) if value >= least)
 
     def is_behind(self, normal: Vector, offset: Fraction) -> bool:
@@ -86,7 +88,7 @@ class Polygon:
 
     def _doubt(self, normal: Vector) -> float:
         """Return by how much numbers along a normal can be wrong."""
-        return DOUBT * float(abs(normal[0]) + abs(normal[1])) * self.largest
+        return LEAST_DOUBT + DOUBT * float(abs(normal[0]) + abs(normal[1])) * self.largest
 
 
 def _meet(a: Line, b: Line) -> Vector:

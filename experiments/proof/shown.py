@@ -39,7 +39,8 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
     box = [through_corner(edges, side) for side in BOX]
     if any(side is None for side in box):
         raise Broken("what is proved is no closed polygon")
-    off = TO + SHARE * max(abs(side) for side in box if side is not None)
+    extents = max(abs(side) for side in box if side is not None), max(abs(part) for corner in hull for part in corner)
+    off = TO + SHARE * min(extents)
     beyond = {normal: dot(normal, farthest(hull, normal)) - offset for normal, offset in edges.items()}
     if any(most > off * length(normal) for normal, most in beyond.items()):
         raise Broken("what is shown is larger than what is proved")
@@ -53,9 +54,10 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
             raise Broken("what is shown is smaller than what is proved")
         if dot(normal, middle) > most:
             raise Broken("the estimate is outside the region")
-    exactly, extent = area_of(vertices), max(length((x - hull[0][0], y - hull[0][1])) for x, y in hull)
-    if abs(area - exactly) > OF_AREA * exactly + off * (extent + off):
-        raise Broken(f"an area of {float(area):.6g} m2 is shown of a polygon of {float(exactly):.6g} m2")
+    exactly, extent = area_of(hull), max(length((x - hull[0][0], y - hull[0][1])) for x, y in hull)
+    for told in (area, area_of(vertices)):  # or they are in another order
+        if abs(told - exactly) > OF_AREA * exactly + off * (extent + off):
+            raise Broken(f"an area of {float(told):.6g} m2 is shown of a polygon of {float(exactly):.6g} m2")
     return Region([(float(x), float(y)) for x, y in vertices], float(area), middle)
 
 

@@ -5,11 +5,12 @@ Two of them leave an arc; a bearing to the target then says where the robot look
 """
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 from experiments.proof.edges import WORLD, plane
 from experiments.proof.exact import Arc, Vector, half_circle, in_common
 from experiments.proof.log import Frame
-from experiments.proof.reading import Broken, Record, exact
+from experiments.proof.reading import Broken, Record, shown
 
 
 class Sides:
@@ -19,20 +20,20 @@ class Sides:
         self._robots, self._landmarks = robots, landmarks
         self._arcs: dict[tuple[int, int], Arc] = {}
 
-    def add(self, line: Record) -> None:
-        """Take in a line that is proved; its `side` is the robot or landmark that it is about, robots being counted first.
+    def add(self, line: Record, offset: Fraction) -> None:
+        """Take in a line, and the offset that it proves; its `side` is the robot or landmark that it is about, robots first.
 
         Raises:
-            Broken: The line does not go past the target.
+            Broken: The target may be on the line, where the robot may be, too, or beyond it.
         """
-        (x, y), offset, target = plane(line["normal"]), exact(line["offset"]), line["side"]
+        (x, y), target = plane(line["normal"]), line["side"]
         pair = (line["from"], line["robot"])
         if line["from"] == WORLD and type(target) is int and target >= self._robots:
             mark, pair = self._landmarks[target - self._robots], (line["robot"], target)
             x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])
         elif line["from"] == WORLD or target != line["from"]:
-            raise Broken(f"a side of {target}, of which the line does not speak")
-        if offset > 0:
+            raise Broken(f"a side of {shown(target)}, of which the line does not speak")
+        if offset >= 0:  # of what is in one place with the robot, bearings say nothing
             raise Broken(f"a side that the target may be {float(offset):.3g} m beyond")
         half = half_circle((x, y))
         self._arcs[pair] = in_common(self._arcs.get(pair, half), [half])

@@ -14,14 +14,13 @@ from typing import Any
 from experiments.proof.edges import WORLD, Edges
 from experiments.proof.exact import Arc, unit
 from experiments.proof.log import Frame, Log
-from experiments.proof.reading import Broken, located, number, parsed, shown
+from experiments.proof.reading import Broken, body, located, number, parsed, shown
 from experiments.proof.shown import Region, dot
 
 OF_NO_REGION = "on trust: numbers of the summary that are of no region"
 SUSPENDED = "on trust: measurements that were rejected; the guarantee is suspended"
 DIGITS = 5.01e-6  # means have six digits
 TURNED = 1e-12  # to which headings are told in trajectories, as halves of angles [rad]
-COLUMNS = 8  # of a trajectory: t x y z qx qy qz qw
 
 
 @dataclass
@@ -89,10 +88,11 @@ class Told:
             outside, in_force = self._escapes + self._turned, told["guarantee_in_force"] is True
             if not (0 <= told["escapes_in_force"] <= outside and (told["escapes_in_force"] == outside or not in_force)):
                 raise Broken(f"escapes_in_force is {shown(told['escapes_in_force'])}, where {outside} were outside")
-            if in_force and told["rejected"] != 0:
+            rejected = body(told["rejected"], 2**53)
+            if in_force and rejected:
                 raise Broken("the guarantee is said to be in force, though something was rejected")
             proved = len(needed) + 1
-            aside = {OF_NO_REGION: len(told) - proved, SUSPENDED: 0 if in_force else max(1, told["rejected"])}
+            aside = {OF_NO_REGION: len(told) - proved, SUSPENDED: 0 if in_force else max(1, rejected)}
             return Counter({"numbers of the summary": proved, **{name: count for name, count in aside.items() if count}})
 
     def check_trajectory(self, robot: int, path: Path) -> int:
@@ -108,10 +108,10 @@ class Told:
                 raise Broken(f"{len(lines)} whole lines, where the log has {len(self.poses[robot])} frames")
         for place, (line, pose) in enumerate(zip(lines, self.poses[robot], strict=True), 1):
             with located(f"{path.name}, line {place}"):
-                time, x, y, _, _, _, sine, cosine = (number(float(word)) for word in line.split())
+                time, x, y, *flat, sine, cosine = (number(float(word)) for word in line.split())
                 heading = unit((pose[3].low + pose[3].high) / 4)
                 turned = max(abs(float(half[0]) - told) for half, told in zip(heading, (cosine, sine), strict=True))
-                if (time, x, y) != pose[:3] or turned > TURNED:
+                if (time, x, y) != pose[:3] or turned > TURNED or flat != [0.0, 0.0, 0.0]:
                     raise Broken(f"another pose than the region's, at ({pose[1]}, {pose[2]}) at t = {pose[0]} s")
         return len(lines)
 

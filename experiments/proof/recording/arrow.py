@@ -129,5 +129,7 @@ def _values(field: Table, count: int, left: Left) -> list[Any]:
     if kind in (LIST, BINARY, UTF8):
         ends = struct.unpack_from(f"<{count + 1}i", next(left.parts)) if count else (0,)
         each: Any = _column(children[0], left) if kind == LIST else next(left.parts)
+        if list(ends) != sorted(ends) or not 0 <= ends[0] <= ends[-1] <= len(each):
+            raise Broken("lists that overlap, or are not there")
         return [each[ends[k] : ends[k + 1]] for k in range(count)]
     raise Broken(f"an Arrow type {kind} that is not known here")

@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,11 @@ COMPONENTS = {
     ESTIMATE: "Points3D:positions",
     AREA: "Scalars:scalars",
 }
+TRIANGLES = "Mesh3D:triangle_indices"
+# The columns that entities of regions may have; and those on the way to them, whose transforms would move these, too.
+MARKS = {"step", "t", "rerun.controls.RowId"}
+KINDS = {OUTER: {"LineStrips3D"}, FILL: {"Mesh3D"}, ESTIMATE: {"Points3D"}, AREA: {"Scalars", "SeriesLines"}}
+ABOVE, UP = {"/", "/world", *(layer.rstrip("/") for layer in COMPONENTS)}, {"ViewCoordinates"}
 TEAM, PLOTTED = "team", ("mean", "least", "greatest")  # what large teams have instead of an entity for each robot
 NANOSECOND, MEAN = 1.0001e-9, 1e-12
 
@@ -36,26 +42,39 @@ def check_recording(path: Path, frames: Sequence[Frame], regions: Sequence[Seque
         OSError: There is no such file.
     """
     with located(path.name):
-        every = recorded(path, lambda name: any(name.startswith(layer) for layer in COMPONENTS))
+        every = recorded(path, lambda name: name in ABOVE or any(name.startswith(layer) for layer in COMPONENTS))
+        for name, rows in every.items():
+            _check_kinds(name, rows)
         together, robots = f"{OUTER}{TEAM}" in every, len(regions[0])
         names = [TEAM] if together else [f"r{robot}" for robot in range(robots)]
         plots = [*PLOTTED] if together else names
         shown = {layer: [_rows(every, layer + name, frames) for name in names] for layer in LAYERS}
+        fans = [_rows(every, FILL + name, frames, TRIANGLES) for name in names]
         areas = [_rows(every, AREA + name, frames) for name in plots]
         for number, of_frame in enumerate(regions):
             for place, group in enumerate([of_frame] if together else [[one] for one in of_frame]):
                 _check_layers({layer: rows[place][number] for layer, rows in shown.items()}, number, group)
+                if [list(corners) for corners in fans[place][number]] != _fans([len(one.vertices) for one in group]):
+                    raise Broken(f"{FILL} fills another polygon than the one that is proved, in frame {number}")
             _check_areas([rows[number][0] for rows in areas], [region.area for region in of_frame], together)
     return len(frames) * robots, len(every) - len(LAYERS) * len(names) - len(plots)
 
 
-def _rows(every: dict[str, list[Recorded]], name: str, frames: Sequence[Frame]) -> list[Any]:
-    """Return what an entity shows at each frame.
+def _check_kinds(name: str, rows: Sequence[Recorded]) -> None:
+    """Raise `Broken` if an entity of a region, or one above it, has something that changes how regions are shown."""
+    allowed = UP if name in ABOVE else KINDS.get(name[: name.rindex("/") + 1])
+    columns = {column for row in rows for column in row.values} - MARKS
+    if allowed is not None and not {column.split(":")[0] for column in columns} <= allowed:
+        raise Broken(f"{name} has columns {sorted(columns)}, where those of {sorted(allowed)} were expected")
+
+
+def _rows(every: dict[str, list[Recorded]], name: str, frames: Sequence[Frame], what: str = "") -> list[Any]:
+    """Return what an entity shows at each frame, by its layer's component or another one.
 
     Raises:
         Broken: It shows something, or nothing, at another time.
     """
-    what = COMPONENTS[name[: name.rindex("/") + 1]]
+    what = what or COMPONENTS[name[: name.rindex("/") + 1]]
     rows = [row for row in every.get(name, []) if row.values.get(what) is not None]
     same = len(rows) == len(frames) and all(
         row.step == number and abs(row.time - frame.time) <= NANOSECOND
@@ -73,14 +92,26 @@ def _check_layers(shown: dict[str, Any], number: int, regions: Sequence[Region])
         ESTIMATE: [_drawn(region.estimate) for region in regions],
     }
     for layer, points in right.items():
-        if _flat(shown[layer]) != points:
+        heights = set[float]()
+        if _flat(shown[layer], heights) != points or len(heights) != 1:
             raise Broken(f"{layer} shows another polygon than the one that is proved, in frame {number}")
 
 
-def _flat(value: Any) -> Any:
-    """Return points of a recording in the plane."""
+def _fans(sizes: Sequence[int]) -> list[list[int]]:
+    """Return the corners of the triangles that fill polygons of so many corners, one after the other."""
+    ends = accumulate(sizes)
+    return [
+        [end - size, end - size + k, end - size + k + 1]
+        for size, end in zip(sizes, ends, strict=True)
+        for k in range(1, size - 1)
+    ]
+
+
+def _flat(value: Any, heights: set[float]) -> Any:
+    """Return points of a recording in the plane; collect the heights that they are shown at."""
     if value and isinstance(value[0], list):
-        return [_flat(one) for one in value]
+        return [_flat(one, heights) for one in value]
+    heights.update(value[2:])
     return value[:2]
 
 

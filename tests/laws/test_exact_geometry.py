@@ -194,6 +194,32 @@ def exactly(place):
     return plane(hexadecimal(np.asarray(place, dtype=float)))
 
 
+@given(st.integers(-(10**22), 10**22), st.floats(0, 3), st.floats(-3, 3), st.floats(0, 3))
+def test_arcs_that_meet_are_not_apart_however_many_turns_on_one_is(turns, bound, aside, other):
+    """Where floats are as far apart as turns, they cannot tell how many turns on the other one is."""
+    low = Fraction(aside) + 2 * PI * turns
+    near, far = Arc(Fraction(-bound), Fraction(bound)), Arc(low - Fraction(other), low + Fraction(other))
+    clearly = abs(bound + other - abs(aside)) > 1e-9
+    if clearly and abs(aside) < bound + other:
+        assert not are_apart(near, far)
+        assert not are_apart(far, near)
+        assert not are_apart(Arc(Fraction(-4), Fraction(4)), far)
+    elif clearly and 2 * np.pi - abs(aside) > bound + other + 1e-9:
+        assert are_apart(near, far)
+
+
+@pytest.mark.parametrize("size", [1e-310, 1e-160, 1.0, 1e160, 1.7e308])
+@pytest.mark.parametrize("normal", [(1.0, 0.5), (0.7, 0.7), (2.0, 1e-320), (5e-324, 1.0), (-1.0, 1.0)])
+def test_the_most_of_a_polygon_is_exact_where_floats_are_not(size, normal):
+    corners = size * np.array([[-1, -1], [1, -0.5], [1, 1], [0.999999, 1]])
+    polygon = ExactPolygon([], [exactly(corner) for corner in corners])
+    most = max(exactly(normal)[0] * x + exactly(normal)[1] * y for x, y in polygon.corners)
+    assert polygon.most(exactly(normal)) == most
+    if size < 1e300:  # larger ones are refused
+        assert polygon.is_behind(exactly(normal), most)
+        assert not polygon.is_behind(exactly(normal), most - Fraction(1, 10**400))
+
+
 @given(seeds, st.sampled_from([0.0, 1e4]))
 def test_a_polygon_is_cut_to_the_intersection_with_half_planes(seed, far):
     rng = np.random.default_rng(seed)

@@ -10,6 +10,7 @@ from experiments.proof.chain import Chain
 from experiments.proof.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.shown import checked_region
+from experiments.proof.sides import Sides
 from filter.measurements import Frame
 from filter.team import Team
 
@@ -100,6 +101,25 @@ def test_a_side_says_no_more_than_its_line(tmp_path):
     assert "line 1" in outcome(tmp_path, {**claim((0, 1), (0.0, 0.0), 0.0, of_two), "side": 0})  # a side of no direction
 
 
+@pytest.mark.parametrize("place", [(2.0, 3.0), (2.0, 2.5)])
+def test_of_what_may_be_in_one_place_with_the_robot_nothing_is_on_one_side(place):
+    """Every line through both has it on its inner side."""
+    sides, mark = Sides(1, [(Fraction(place[0]), Fraction(place[1]))]), {"from": -1, "robot": 0, "side": 1}
+    line = claim((-1, 0), (1.0, 0.0), 2.0, {"0": LEFT}) | mark
+    with pytest.raises(Broken, match="may be 0 m beyond"):
+        sides.add(line, Fraction(2))
+    sides.add(line, Fraction(2) - Fraction(1, 10**30))
+    assert sides.arc(0, 1).narrow is False
+    assert sides.arc(0, 1).high - sides.arc(0, 1).low < Fraction(4)
+
+
+@pytest.mark.parametrize("length", [5e-324, 1e-100, 0.4, 2.1, 1e160, 1.7e308])
+def test_a_normal_is_no_shorter_and_no_longer_than_floats_can_weigh(length, tmp_path):
+    for normal in ((length, 0.0), (0.0, -length)):
+        line = claim((-1, 0), normal, 1.0, {"0": LEFT})
+        assert "a normal of length 1 was expected" in outcome(tmp_path, line | {"offset": "0x1p+1000"})
+
+
 SQUARE = {(Fraction(x), Fraction(y)): Fraction(1) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))}  # 2 m wide
 CORNERS = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
 
@@ -122,9 +142,11 @@ NOT_SHOWN = {
     "nothing proved": (region(), {}, "no closed polygon"),
     "smaller": (region([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0 - 1e-8), (-1.0, 1.0)]), SQUARE, "smaller"),
     "a triangle": (region(CORNERS[:3], 2.0), SQUARE, "smaller"),
+    "a bow-tie": (region([CORNERS[k] for k in (0, 2, 1, 3)], 0.0), SQUARE, "an area of 0 m2 is shown of a polygon of 4 m2"),
+    "a corner within": (region([*CORNERS, (-0.5, 0.0)], 3.5), SQUARE, "an area of 3.5 m2 is shown of a polygon of 4 m2"),
     "a point": (region([(0.0, 0.0)], 0.0), SQUARE, "smaller"),
     "larger": (region([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0 + 1e-8), (-1.0, 1.0)]), SQUARE, "larger"),
-    "the other way round": (region(CORNERS[::-1]), SQUARE, "an area of 4 m2 is shown of a polygon of -4 m2"),
+    "the other way round": (region(CORNERS[::-1]), SQUARE, "an area of -4 m2 is shown of a polygon of 4 m2"),
     "another area": (region(area=4.0 + 1e-7), SQUARE, "an area of 4 m2 is shown"),
     "an estimate outside": (region(estimate=(1.0 + 1e-8, 0.0)), SQUARE, "the estimate is outside"),
 }

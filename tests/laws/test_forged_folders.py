@@ -192,7 +192,7 @@ def a_piece_more(lines):
     pieces.append(pieces[-1])
 
 
-@forged("so many rounds", HEADINGS)
+@forged("rounds from 0 to 10 were expected", HEADINGS)
 def a_piece_that_is_cut_for_ever(lines):
     case_of(lines)["pieces"][0]["rounds"] = 10**9
 
@@ -205,6 +205,33 @@ def a_case_of_tangents_without_end(lines):
 @forged("can be beyond what is claimed", HEADINGS)
 def a_case_of_readings_that_are_not_said(lines):
     case_of(lines)["said"].clear()
+
+
+@forged("can be beyond what is claimed", HEADINGS)
+def a_case_after_a_heading_of_many_turns(lines):
+    """Claimed is the whole circle, so far off that floats see no turn on which it meets what is measured."""
+    case = case_of(lines)
+    before = next(record for record in lines if case in record["lines"])
+    wide = {**before, "lines": [], "centre": [(1e22).hex()] * 3, "bound": [(4.0).hex()] * 3}
+    claim = case["claims"][2]
+    claim["offset"] = moved(claim["offset"], -0.3)
+    return [wide, *lines]
+
+
+@forged("are too many", HEADINGS)
+def a_case_that_takes_for_ever(lines):
+    case = case_of(lines)
+    case.update(spacing=(0.01).hex(), pieces=[{"rounds": 10}] * 1000)
+
+
+@forged("version 2, where version 3 is read", HEADINGS)
+def a_line_of_another_version(lines):
+    case_of(lines)["version"] = 2
+
+
+@forged(r"a pair '\\x1b[2K\\r9 certificates proved, 0 failed', 0 that is none")
+def a_verdict_of_their_own(lines):
+    lines[2]["from"] = "\x1b[2K\r9 certificates proved, 0 failed"
 
 
 @forged("follows from nothing known", HEADINGS)
@@ -220,7 +247,7 @@ def a_case_in_a_smaller_box(lines):
     corner[0] = moved(corner[0], -1e-3)
 
 
-@forged("a row on 0, ", HEADINGS)
+@forged("a row on (0, 1) follows from nothing known", HEADINGS)
 def a_case_from_a_row_on_a_pair(lines):
     known = next(line for record in lines for line in record["lines"] if "side" in line and line["from"] == 0)
     case = case_of(lines)
@@ -349,6 +376,11 @@ def a_guarantee(told):
     told["rejected"] = 3
 
 
+@forged("a whole number from 0 to 9007199254740991 was expected, not 1.5", SUMMARY)
+def a_part_of_a_rejection(told):
+    told.update(guarantee_in_force=False, rejected=1.5)
+
+
 @forged("escapes_in_force is 1, where 0 were outside", SUMMARY)
 def another_number_of_escapes(told):
     told["escapes_in_force"] = 1
@@ -364,6 +396,18 @@ def a_pose(lines):
 def a_pose_that_looks_elsewhere(lines):
     words = lines[2].split()
     lines[2] = " ".join([*words[:6], *(repr(float(value)) for value in (np.sin(0.3), np.cos(0.3)))])
+
+
+@forged("another pose than the region's", TUM)
+def a_pose_below_the_ground(lines):
+    words = lines[3].split()
+    lines[3] = " ".join([*words[:3], "-1.0", *words[4:]])
+
+
+@forged("another pose than the region's", TUM)
+def a_pose_that_is_tipped_over(lines):
+    words = lines[3].split()
+    lines[3] = " ".join([*words[:4], "0.7", *words[5:]])
 
 
 @forged("7 whole lines, where the log has 8 frames", TUM)

@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pyarrow as pa
 import pytest
+import rerun as rr
 from helpers.proved_runs import lines_of, run_of
 from helpers.recordings import rows_of
 from hypothesis import given
@@ -81,6 +82,19 @@ def test_columns_come_back(name):
     assert found.notes == {ENTITY: "/a"}
 
 
+def test_lists_that_overlap_are_refused():
+    """Or few bytes could stand for very many."""
+    table = pa.record_batch([pa.array([[1.0] * 8, [2.0], [3.0]], pa.list_(pa.float64()))], ["lists"])
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, table.schema) as stream:
+        stream.write_batch(table)
+    data, ends = sink.getvalue().to_pybytes(), struct.pack("<4i", 0, 8, 9, 10)
+    assert Stream(data).columns() == {"lists": [[1.0] * 8, [2.0], [3.0]]}
+    for others in ((0, 8, 0, 10), (0, 8, 9, 11), (-1, 8, 9, 10)):
+        with pytest.raises(Broken, match="overlap"):
+            Stream(data.replace(ends, struct.pack("<4i", *others))).columns()
+
+
 def test_columns_of_other_types_are_refused():
     table = pa.record_batch([pa.array([1, 2], pa.timestamp("ns"))], ["when"])
     sink = pa.BufferOutputStream()
@@ -105,11 +119,10 @@ def literally(data):
     return bytes([0xF0, *([255] * (more // 255)), more % 255]) + data
 
 
-def repacked(path, change):
-    """Write a recording in which what `change` returns stands for the payloads of chunks; None leaves a chunk out."""
+def repacked(path, change, more=()):
+    """Write a recording in which what `change` returns stands for the payloads of chunks, and more; None leaves one out."""
     whole, body = path.read_bytes(), b""
-    for packed, size in chunks(whole):
-        stream = unpacked(packed, size)
+    for stream in (*(unpacked(*packed) for packed in chunks(whole)), *more):
         other = change(Stream(stream).notes[ENTITY], stream)
         if other is not None:
             block = literally(other)
@@ -168,6 +181,36 @@ def test_another_number_is_noticed(folder, copy, layer):
 def test_an_entity_that_is_missing_is_noticed(folder, copy, layer):
     repacked(copy, lambda name, stream: None if name == f"{layer}r2" else stream)
     with pytest.raises(Broken, match=f"{layer}r2 has 0 rows, where the log has 8 frames"):
+        proved(folder, copy)
+
+
+MORE = {
+    "moved": ("/world/outer/r0", rr.Transform3D(translation=[5, 0, 0])),
+    "moved, with all others": ("/world/outer", rr.Transform3D(scale=0.1)),
+    "turned round": ("/world", rr.Transform3D(rotation_axis_angle=rr.RotationAxisAngle([0, 0, 1], 1.0))),
+    "another line": ("/world/outer/r0", rr.LineStrips2D([[[0, 0], [0.1, 0]]])),
+    "wiped": ("/world/outer/r0", rr.Clear(recursive=True)),
+    "another mesh": ("/world/fill/r1", rr.Boxes3D(half_sizes=[[1, 1, 1]])),
+}
+
+
+@pytest.mark.parametrize("how", MORE)
+def test_what_changes_how_a_region_is_shown_is_noticed(folder, copy, tmp_path, how):
+    entity, archetype = MORE[how]
+    with rr.RecordingStream("more", recording_id="more") as stream:
+        stream.save(tmp_path / "more.rrd")
+        stream.log(entity, archetype, static=True)
+    streams = [unpacked(*packed) for packed in chunks((tmp_path / "more.rrd").read_bytes())]
+    (more,) = (stream for stream in streams if Stream(stream).notes[ENTITY] == entity)
+    repacked(copy, lambda name, stream: stream, [more])
+    with pytest.raises(Broken, match=f"{entity} has columns|an Arrow type"):
+        proved(folder, copy)
+
+
+def test_a_triangle_elsewhere_is_noticed(folder, copy):
+    old, new = struct.pack("<6I", 0, 1, 2, 0, 2, 3), struct.pack("<6I", 0, 1, 2, 0, 1, 3)
+    repacked(copy, lambda name, stream: stream.replace(old, new) if name == "/world/fill/r1" else stream)
+    with pytest.raises(Broken, match="fills another polygon"):
         proved(folder, copy)
 
 

@@ -10,7 +10,7 @@ from fractions import Fraction
 from experiments.proof.edges import WORLD, plane
 from experiments.proof.exact import Arc, Vector, half_circle, in_common
 from experiments.proof.log import Frame
-from experiments.proof.reading import Broken, Record, shown
+from experiments.proof.reading import Broken, Record, exact, shown
 
 
 class Sides:
@@ -26,15 +26,15 @@ class Sides:
         Raises:
             Broken: The target may be on the line, where the robot may be, too, or beyond it.
         """
-        (x, y), target = plane(line["normal"]), line["side"]
+        (x, y), claimed, target, past = plane(line["normal"]), exact(line["offset"]), line["side"], Fraction(0)
         pair = (line["from"], line["robot"])
         if line["from"] == WORLD and type(target) is int and target >= self._robots:
             mark, pair = self._landmarks[target - self._robots], (line["robot"], target)
-            x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])
+            x, y, past = -x, -y, x * mark[0] + y * mark[1]
         elif line["from"] == WORLD or target != line["from"]:
             raise Broken(f"a side of {shown(target)}, of which the line does not speak")
-        if offset >= 0:  # of what is in one place with the robot, bearings say nothing
-            raise Broken(f"a side that the target may be {float(offset):.3g} m beyond")
+        if claimed > past or offset >= past:  # of what is in one place with the robot, bearings say nothing
+            raise Broken(f"a side that the target may be {float(max(claimed, offset) - past):.3g} m beyond")
         half = half_circle((x, y))
         self._arcs[pair] = in_common(self._arcs.get(pair, half), [half])
 

@@ -32,7 +32,7 @@ def instant(rng, kinds, sides):
         low, high = middle - 0.4 * reach, middle + 0.3 * reach
         for normal in (-unit(low + np.pi / 2), unit(high + np.pi / 2)):
             line = {"from": 0, "robot": 1, "side": 0, "normal": [float.hex(float(x)) for x in normal], "offset": "0x0p+0"}
-            known.add(line)
+            known.add(line, Fraction(-1))
     near = max(0.0, (given["range"] - given["bound"]) / (1 + given["relative_bound"]))
     far = (given["range"] + given["bound"]) / (1 - given["relative_bound"])
     arc = Arc(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))

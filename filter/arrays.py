@@ -6,7 +6,7 @@ A check raises `InvalidInput`, with what was expected and what came, unless a va
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -31,7 +31,10 @@ def read_only(values: NDArray[Any]) -> NDArray[Any]:
     """Return the array itself, made read-only, or a read-only copy of a view; for arrays that no caller may still write to."""
     if not isinstance(values, np.ndarray):
         raise InvalidInput("a numpy array", shown(values))
-    owned = values if values.flags.owndata else values.copy()
+    flags = values.flags
+    if flags.owndata and not flags.writeable:
+        return values
+    owned = values if flags.owndata else values.copy()
     owned.flags.writeable = False
     return owned
 
@@ -48,12 +51,22 @@ class Frozen:
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def __post_init__(self) -> None:
-        passed = self._passed().items()
-        settle(self, **{name: read_only(value) if isinstance(value, np.ndarray) else value for name, value in passed})
+        given = self.__dict__
+        for name, value in self._passed().items():
+            settled = read_only(value) if isinstance(value, np.ndarray) else value
+            if settled is not given[name]:
+                object.__setattr__(self, name, settled)
 
     def _passed(self) -> dict[str, Any]:
-        values = ((name, kind, getattr(self, name)) for name, kind in self.__dataclass_fields__.items())
-        return {name: kind.metadata["check"](value) if kind.metadata else value for name, kind, value in values}
+        kind: Any = type(self)
+        given = self.__dict__
+        return {name: check(given[name]) if check else given[name] for name, check in _checks(kind)}
+
+
+@cache
+def _checks(kind: type[Any]) -> list[tuple[str, Callable[[Any], Any] | None]]:
+    """Return the name of each field, and the check that it has to pass."""
+    return [(name, field.metadata.get("check")) for name, field in kind.__dataclass_fields__.items()]
 
 
 def checked(check: Callable[..., Any], name: str, *limits: Any, optional: bool = False) -> dict[str, Any]:
@@ -70,7 +83,7 @@ class Table(Frozen):
         return tuple(getattr(self, name) for name in self.__dataclass_fields__)
 
     def __len__(self) -> int:
-        return len(self.columns[0])
+        return len(self.__dict__[next(iter(self.__dataclass_fields__))])
 
     def select(self, index: Integers | Mask) -> Self:
         """Return some of the entries, by index or mask."""

@@ -28,13 +28,14 @@ def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: Ang
     """
     compasses, bearings = readings.compasses, readings.bearings
     found = heading_arcs_of_compass(compasses), heading_arcs_of_bearing(bearings, spans)
-    sources, _ = Sources().extended("compass", compasses.time, compasses.robot)
-    sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target)
+    robot = np.concatenate([compasses.robot, bearings.robot])
     arcs = AngularIntervals(*(np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound")))
     order = np.lexsort((arcs.centre, arcs.bound))  # the narrowest first
     centre, bound = headings.centre.copy(), headings.bound.copy()
-    last = _intersect((centre, bound), (arcs.centre, arcs.bound), sources.robot, order)
+    last = _intersect((centre, bound), (arcs.centre, arcs.bound), robot, order)
     if last >= 0:
+        sources, _ = Sources().extended("compass", compasses.time, compasses.robot)
+        sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target)
         raise _conflict(headings, arcs, sources, order[:last], order[last])
     return AngularIntervals(centre, bound)
 

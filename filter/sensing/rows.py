@@ -85,6 +85,8 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
 
     Rows that exclude one another say nothing here: to find that out, and the causes, is for the search that follows.
     """
+    if not len(robot):
+        return AngularIntervals.circles(0)
     robots, first, second = len(polytope.lower), np.minimum(robot, target), np.maximum(robot, target)
     pairs, which = np.unique(first * (robots + len(landmarks)) + second, return_inverse=True)
     i, j = np.divmod(pairs, robots + len(landmarks))

@@ -11,7 +11,6 @@ from importlib import import_module
 
 from experiments.sweep.own_process import end_with_parent, one_thread
 from filter import CorralError, InvalidInput
-from filter.arrays import whole
 
 PATIENCE = "10s"  # that a scheduler may take to answer
 
@@ -46,7 +45,9 @@ def executor(workers: int | None = None, scheduler: str | None = None) -> Iterat
 
 @contextmanager
 def _local(workers: int | None) -> Iterator[Executor]:
-    count = cores() if workers is None else int(whole("number of workers", workers, low=1))
+    count = cores() if workers is None else workers
+    if count < 1:
+        raise InvalidInput("number of workers: a whole number from 1 on", repr(workers))
     with one_thread():  # inherited by the workers, as many as cores
         pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
         try:

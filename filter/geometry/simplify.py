@@ -8,7 +8,9 @@ from filter.geometry.convex import cross
 
 
 @compiled
-def edges_worth_keeping(normals: Array, offsets: Array, removable: Mask, budget: int, allowance: float) -> tuple[Mask, float]:
+def edges_worth_keeping(
+    normals: Array, offsets: Array, removable: Mask, budget: int | np.int64, allowance: float
+) -> tuple[Mask, float]:
     """Return which edges of a polygon to keep so that little area is added, and how much is [m2].
 
     Edges go as long as there are more removable ones than the budget, or all that went add no more than the allowance [m2],
@@ -30,7 +32,7 @@ def vertices_worth_keeping(vertices: Array, allowance: float) -> Mask:
 
 @compiled
 def _worth_keeping(
-    are_edges: bool, rows: Array, offsets: Array, removable: Mask, budget: int, fewest: int, allowance: float
+    are_edges: bool, rows: Array, offsets: Array, removable: Mask, budget: int | np.int64, fewest: int, allowance: float
 ) -> tuple[Mask, float]:
     """Return which edges, or vertices, to keep, and how much area the others change; those go first that change little."""
     count = len(rows)

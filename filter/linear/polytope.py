@@ -135,5 +135,5 @@ def _worthy(lines: tuple[Array, Array], vertices: Array, first: Integers, remova
         begin, end = first[k], first[k + 1]
         x, y = centroid_of(vertices[begin:end])
         level = offsets[begin:end] - (normals[begin:end, 0] * x + normals[begin:end, 1] * y)
-        keep[begin:end], _ = edges_worth_keeping(normals[begin:end], level, removable[begin:end], budget[k], -1.0)
+        keep[begin:end], _ = edges_worth_keeping(normals[begin:end].copy(), level, removable[begin:end], budget[k], -1.0)
     return keep

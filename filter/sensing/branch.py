@@ -85,9 +85,11 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
         np.zeros(1, dtype=np.int64),
     )
     left.corners[0, : len(start)], left.heading[0] = start, heading
-    _prune(left, 0, len(start), said, scale)
-    left.alive[0], nodes = int(left.size[0] > 0), 1
-    while 0 < left.alive[0] < most and nodes + 2 <= len(tree.child):
+    _prune(left, left.alive[0], len(start), said, scale)  # a number that is written out would be compiled for
+    left.alive[0] = int(left.size[0] > 0)
+    for nodes in range(1, len(tree.child) - 1, 2):
+        if not 0 < left.alive[0] < most:
+            break
         k = int(np.argmax(left.split[: left.alive[0], 0]))
         if left.split[k, 0] <= TOLERANCE:
             break
@@ -95,7 +97,6 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
             tree.line[left.node[k], m] = left.split[k, 1 + m]
         tree.child[left.node[k]] = nodes
         _split(left, k, nodes, said, scale)
-        nodes += 2
     _hull_of_arcs(heading, left.heading[: left.alive[0]])
     return _outline(left, scale.margin)
 
@@ -178,8 +179,8 @@ def _outline(left: Pieces, margin: float) -> Array:
             lines[k, 2] = max(lines[k, 2], lines[k, 0] * hull[m, 0] + lines[k, 1] * hull[m, 1])
         level[k] = lines[k, 2] - lines[k, 0] * x - lines[k, 1] * y
         lines[k, 2] += 2 * margin + APART * size
-    keep, _ = edges_worth_keeping(lines[:, :2], level, all_of_them, HULL_EDGES, 0.0)
+    keep, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(HULL_EDGES), 0.0)
     lines, level, all_of_them = lines[keep], level[keep], all_of_them[keep]
-    few, _ = edges_worth_keeping(lines[:, :2], level, all_of_them, FEW_EDGES, -1.0)
+    few, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(FEW_EDGES), -1.0)
     lines[:, 3] = few
     return lines

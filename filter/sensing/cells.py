@@ -94,7 +94,8 @@ class Places:
         """Take over where a robot was found to be."""
         rows, box = case.few, (self.known.lower[[case.robot]], self.known.upper[[case.robot]])
         group = np.zeros(1, dtype=np.int64), np.full(1, len(rows))
-        found = clip_boxes(np.ascontiguousarray(rows[:, :2]), rows[:, 2].copy(), group, *box).polygons
+        lines = read_only(rows[:, :2].copy()), read_only(rows[:, 2].copy())  # as all others: no other type is compiled for
+        found = clip_boxes(*lines, group, *box).polygons
         self.bodies[case.robot], self.margin = found.vertices, max(self.margin, float(found.margin[0]))
 
 

@@ -43,10 +43,12 @@ class Displacements(Frozen):
 
         With x' = x + u: normal . (x'_j - x'_i) <= offset + h_j(normal) + h_i(-normal), h the support of the set.
         """
-        growth = self.support(constraints.j, constraints.normal)
-        pair = np.flatnonzero(constraints.i != WORLD)
-        growth[pair] += self.support(constraints.i[pair], -constraints.normal[pair])
-        return constraints.shifted(growth)
+        pair, normal = np.flatnonzero(constraints.i != WORLD), constraints.normal
+        robot = np.concatenate([constraints.j, constraints.i[pair]])
+        growth = self.support(robot, np.concatenate([normal, -normal[pair]]))
+        own, mates = growth[: len(normal)], growth[len(normal) :]
+        own[pair] += mates
+        return constraints.shifted(own)
 
     @property
     def normals(self) -> Array:

@@ -24,7 +24,6 @@ PAST = {
     "experiments/logs/records.py": "the same checks",
     "experiments/logs/sides.py": "where targets are at a glance, to prove what the filter took from that",
     "experiments/logs/tum.py": "the same checks",
-    "experiments/sweep/executors.py": "the same checks",
     "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",
 }
 

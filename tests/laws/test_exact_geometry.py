@@ -209,7 +209,7 @@ def test_arcs_that_meet_are_not_apart_however_many_turns_on_one_is(turns, bound,
 
 
 @pytest.mark.parametrize("size", [1e-310, 1e-160, 1.0, 1e160, 1.7e308])
-@pytest.mark.parametrize("normal", [(1.0, 0.5), (0.7, 0.7), (2.0, 1e-320), (5e-324, 1.0), (-1.0, 1.0)])
+@pytest.mark.parametrize("normal", [(1.0, 0.5), (0.7, 0.7), (2.0, 1e-320), (5e-324, 1.0), (-1.0, 1.0), (1.5, -1.4)])
 def test_the_most_of_a_polygon_is_exact_where_floats_are_not(size, normal):
     corners = size * np.array([[-1, -1], [1, -0.5], [1, 1], [0.999999, 1]])
     polygon = ExactPolygon([], [exactly(corner) for corner in corners])
@@ -218,6 +218,12 @@ def test_the_most_of_a_polygon_is_exact_where_floats_are_not(size, normal):
     if size < 1e300:  # larger ones are refused
         assert polygon.is_behind(exactly(normal), most)
         assert not polygon.is_behind(exactly(normal), most - Fraction(1, 10**400))
+
+
+def test_the_most_of_a_polygon_is_exact_where_products_are_rounded_to_whole_denormals():
+    polygon = ExactPolygon([], [exactly(5e-324 * np.array(corner)) for corner in ((1, 1), (2, 0), (0, 0))])
+    assert polygon.along(exactly((0.56, 0.55)))[:2] == [1e-323, 5e-324]
+    assert polygon.most(exactly((0.56, 0.55))) == Fraction(0.56) * Fraction(1e-323)
 
 
 @given(seeds, st.sampled_from([0.0, 1e4]))

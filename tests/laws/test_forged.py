@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from experiments.logs import Header, InitialSet, LogWriter
-from experiments.proof.chain import Chain
+from experiments.proof.chain import MOST, Chain
 from experiments.proof.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.shown import checked_region
@@ -118,6 +118,13 @@ def test_a_normal_is_no_shorter_and_no_longer_than_floats_can_weigh(length, tmp_
     for normal in ((length, 0.0), (0.0, -length)):
         line = claim((-1, 0), normal, 1.0, {"0": LEFT})
         assert "a normal of length 1 was expected" in outcome(tmp_path, line | {"offset": "0x1p+1000"})
+
+
+def test_a_robot_has_no_more_edges_than_can_be_compared_with_one_another(tmp_path):
+    ways = np.linspace(-3, 3, MOST + 1)
+    lines = [claim((-1, 0), (float(np.cos(way)), float(np.sin(way))), 20.0, {"0": LEFT}) for way in ways]
+    assert outcome(tmp_path, *lines[: MOST - 4]) == ""
+    assert f"more than {MOST} edges" in outcome(tmp_path, *lines)
 
 
 SQUARE = {(Fraction(x), Fraction(y)): Fraction(1) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))}  # 2 m wide

@@ -28,8 +28,8 @@ GAIN = 0.98  # another pass is worth it if something becomes smaller by this fac
 SAGITTA = 1.0
 # or where a bearing would leave this share of a heading.
 LEFT_OF_A_HEADING = 0.8
-# Cells are worth it where a chord is so far inside, or a heading is wider than several bearings' bounds by this factor; above 1,
-# as a compass is often as good as a bearing, and may say nothing new for minutes; and,
+# Cells are worth it where a chord is so far inside, or a heading is wider than several bearings' bounds by this factor (more
+# than 1, as a compass is often as good as a bearing, and may say nothing new for minutes); and,
 INSIDE, WIDE_HEADING = 0.5, 1.05
 # where no more than a share of a robot's box is left, sooner: from these shares on.
 NEW, SOON, SOON_HEADING = 0.7, 0.03, 0.1

@@ -42,12 +42,7 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         OSError: There is no such file.
     """
     log = Log(folder)
-    needed = [HEADINGS, LINES, REGIONS, SUMMARY, RECORDING, *(TRAJECTORY.format(robot) for robot in range(log.robots))]
-    for name in needed:
-        (folder / name).stat()  # what is missing is said before the proof, which takes a while
-    for path in sorted(folder.glob(TRAJECTORY.format("*"))):
-        if str(path.relative_to(folder)) not in needed:
-            raise Broken(f"{path.name}: a trajectory of a robot that there is not")
+    _look_for_files(folder, log.robots)
     chain, told, proved, progress = Chain(log), Told(log), list[list[Region]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     for frame in log.frames:
@@ -59,6 +54,15 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     counts = Counter({"certificates": chain.lines, **chain.links}) + _shown(folder, told, log.frames, proved)
     show("\n")
     return counts
+
+
+def _look_for_files(folder: Path, robots: int) -> None:
+    """Raise if a file is not there, or is of no robot: to be said before the proof, which takes a while."""
+    trajectories = [folder / TRAJECTORY.format(robot) for robot in range(robots)]
+    for path in (*(folder / name for name in (HEADINGS, LINES, REGIONS, SUMMARY, RECORDING)), *trajectories):
+        path.stat()
+    for path in sorted(set(folder.glob(TRAJECTORY.format("*"))) - set(trajectories)):
+        raise Broken(f"{path.name}: a trajectory of a robot that there is not")
 
 
 def _shown(folder: Path, told: Told, frames: Sequence[Frame], proved: Sequence[Sequence[Region]]) -> Counter[str]:

@@ -86,9 +86,8 @@ def hull_of(points: list[Vector]) -> list[Vector]:
 
 
 def farthest(points: list[Vector], normal: Vector) -> Vector:
-    """Return the point that is farthest in a direction, as nearly as floats tell."""
-    x, y = float(normal[0]), float(normal[1])
-    return max(points, key=lambda point: x * float(point[0]) + y * float(point[1]))
+    """Return the point that is farthest in a direction."""
+    return max(points, key=lambda point: dot(normal, point))
 
 
 def turn(a: Vector, b: Vector, c: Vector) -> Fraction:

@@ -15,6 +15,7 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.program import LinearProgram
 
 TWINS = 1e-6  # rows that turn by less lead a walk astray, and say the same [rad]
+APART = 1e-6  # and so do those that are not even this share of the size of what they bound apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,7 @@ class Polytope(Frozen):
         upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)
         return lower, upper
 
-    def loosened(self, share: float) -> Polytope:
+    def loosened(self, share: float = APART) -> Polytope:
         """Return the same with rows and box outward by a share of the boxes' extents.
 
         Where rows were proved from one another, more of them meet in a vertex than a walk can tell apart.

@@ -9,6 +9,7 @@ from filter.compiled import compiled
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.simplify import edges_worth_keeping
+from filter.linear.polytope import APART
 from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
 from filter.sensing.cone import wrapped
 from filter.sensing.rows import WIDENING
@@ -16,9 +17,6 @@ from filter.sensing.split import where_to_split
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
 HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, at most
-# Of its size, the hull is larger: lines that almost coincide with those of readings lead walks astray. And so that it can be
-# proved again by arithmetic that rounds otherwise, like the arc of headings, which is wider by `WIDENING`.
-APART = 1e-6
 
 
 class Tree(NamedTuple):
@@ -85,7 +83,7 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
         np.zeros(1, dtype=np.int64),
     )
     left.corners[0, : len(start)], left.heading[0] = start, heading
-    _prune(left, left.alive[0], len(start), said, scale)  # a number that is written out would be compiled for
+    _prune(left, left.alive[0], len(start), said, scale)  # which is 0: for a literal one, it would be compiled again
     left.alive[0] = int(left.size[0] > 0)
     for nodes in range(1, len(tree.child) - 1, 2):
         if not 0 < left.alive[0] < most:
@@ -178,6 +176,8 @@ def _outline(left: Pieces, margin: float) -> Array:
         for m in range(len(hull)):
             lines[k, 2] = max(lines[k, 2], lines[k, 0] * hull[m, 0] + lines[k, 1] * hull[m, 1])
         level[k] = lines[k, 2] - lines[k, 0] * x - lines[k, 1] * y
+        # Or it would almost coincide with a reading's; and arithmetic that rounds otherwise can prove it again, like the arc of
+        # headings, which is wider by `WIDENING`.
         lines[k, 2] += 2 * margin + APART * size
     keep, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(HULL_EDGES), 0.0)
     lines, level, all_of_them = lines[keep], level[keep], all_of_them[keep]

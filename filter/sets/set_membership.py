@@ -20,7 +20,6 @@ from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sensing.branch import APART
 from filter.sensing.cells import ByCases
 from filter.sensing.motion import displacements, turned_headings
 from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
@@ -182,7 +181,7 @@ class SetMembershipFilter(Frozen):
             areas = found.regions.outer.areas
             if not matter(again, areas):
                 break
-            start = found.polytope.loosened(APART).within(belief.polytope)
+            start = found.polytope.loosened().within(belief.polytope)
             later, again = self._round(replace(found, polytope=start), readings, is_over, again)
             found = replace(later, proofs=found.proofs + later.proofs, events=found.events + later.events)
             if not are_smaller(found.regions.outer.areas, areas):

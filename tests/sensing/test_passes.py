@@ -9,6 +9,8 @@ from helpers.worlds import World, escapes, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
+from experiments.follow.simulated import from_simulator
+from experiments.follow.steps import steps
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
@@ -20,6 +22,7 @@ from filter.sensing.rows import WIDENING
 from filter.sets.belief import Belief
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
+from sim.episode import episode
 
 seeds = st.integers(0, 2**32 - 1)
 SPACING, FINE = np.radians(30), np.radians(3)
@@ -192,3 +195,13 @@ def test_a_box_at_a_glance_grows_nowhere_and_keeps_the_truth(seed):
     assert (boxed.lower >= merged.lower).all()
     assert (boxed.upper <= merged.upper).all()
     assert ((boxed.lower <= world.positions) & (world.positions <= boxed.upper)).all()
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_compass_that_says_nothing_new_for_long_is_no_reason_for_cells(seed):
+    """With constant errors a heading stays as wide as a bearing's bound, and no wider."""
+    run = from_simulator(episode(errors="bias", seed=seed, duration=4.0), 10.0)
+    beliefs = [step.belief for step in steps(SetMembershipFilter(run.team), run)]
+    in_cells = [any(isinstance(proof, ByCases) for proof in belief.proofs) for belief in beliefs]
+    assert np.median([belief.headings.bound for belief in beliefs]) > 0.9 * np.radians(3)
+    assert sum(in_cells) < len(beliefs) / 4

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.follow.beside import Beside
-from experiments.follow.metrics import Escapes, Metrics, Value
-from experiments.follow.scenarios import Scenario, from_log
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import Contacts, steps, warmed_up
+from experiments.following.beside import Beside
+from experiments.following.metrics import Escapes, Metrics, Value
+from experiments.following.scenarios import Scenario, from_log
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import Contacts, steps, warmed_up
 from experiments.logs import Certificates, LogWriter
 from experiments.show.command import SUSPENDED, command
 from experiments.show.output import Trajectories, output_folder, write_summary

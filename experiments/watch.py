@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, rounded
-from experiments.follow.scenarios import from_log
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, rounded
+from experiments.following.scenarios import from_log
 from experiments.logs import find_trajectories
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary

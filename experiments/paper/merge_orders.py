@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.follow.metrics import rounded
+from experiments.following.metrics import rounded
 from filter.arrays import Array
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief
 from filter.geometry.angles import AngularIntervals, wrap

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
-from experiments.follow.metrics import rounded
+from experiments.following.frozen import freeze
+from experiments.following.metrics import rounded
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import Run
 from experiments.real_robots.frames import Readings, truth_at

@@ -11,8 +11,8 @@ from types import TracebackType
 
 import numpy as np
 
-from experiments.follow.located import Located
-from experiments.follow.metrics import Value
+from experiments.following.located import Located
+from experiments.following.metrics import Value
 from experiments.logs import tum_line
 from filter import Array, Frame, InvalidInput, Team
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
+from experiments.following.frozen import freeze
 from experiments.logs import Trajectory, read_trajectory
 from filter import Array
 

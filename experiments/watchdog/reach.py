@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
+from experiments.following.frozen import freeze
 from filter import Array, Frame, Team
 
 ROUNDING = 1e-9  # of sums of lengths, by far [m]

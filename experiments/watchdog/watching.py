@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps
+from experiments.following.scenarios import Scenario
+from experiments.following.steps import steps
 from experiments.show.terminal import StepProgress
 from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.episodes import Episode, Episodes

@@ -16,7 +16,7 @@ WORKSHOPS = ("timed", "optimum", "paper", "proof", "growth")
 # What else goes past the door, and for what.
 PAST = {
     "experiments/certified_bounds.py": "linear programs, with and without a proof",
-    "experiments/follow/frozen.py": "the checks of numbers and arrays that all records share",
+    "experiments/following/frozen.py": "the checks of numbers and arrays that all records share",
     "experiments/logs/cases.py": "how a robot's poses were split, and which rows the pieces are cut from",
     "experiments/logs/certificates.py": "the table of sources, to find the ranges that something rests on",
     "experiments/logs/exactly.py": "rows",
@@ -89,7 +89,7 @@ def test_importing_the_filter_loads_nothing_that_it_can_do_without():
     assert loaded_by("import filter", "scipy.stats", "scipy.special", "matplotlib", "mujoco", "rerun", "rich", "tyro") == []
 
 
-@pytest.mark.parametrize("name", ["logs", "follow.scenarios", "follow.steps"])
+@pytest.mark.parametrize("name", ["logs", "following.scenarios", "following.steps"])
 def test_reading_a_log_loads_neither_simulator_nor_recorder(name):
     program = f"import experiments.{name}"
     assert loaded_by(program, "mujoco", "sim", "rerun", "matplotlib", f"experiments.{name}") == [f"experiments.{name}"]

@@ -12,8 +12,8 @@ from helpers.recordings import rerun, rows_of
 
 import experiments.moving_team
 import experiments.show.viewer
-from experiments.follow.scenarios import from_log
-from experiments.follow.steps import Contacts, steps
+from experiments.following.scenarios import from_log
+from experiments.following.steps import Contacts, steps
 from experiments.logs import LogReader, tum_line
 from experiments.moving_team import Following, Options, main, scenario_of
 from experiments.show.output import Trajectories, output_folder
@@ -104,8 +104,8 @@ def test_a_check_is_one_robot_at_one_frame(simulated):
 NEW_PROCESS = """
 import sys
 from pathlib import Path
-from experiments.follow.scenarios import from_log
-from experiments.follow.steps import steps, warmed_up
+from experiments.following.scenarios import from_log
+from experiments.following.steps import steps, warmed_up
 from filter import SetMembershipFilter
 
 scenario = from_log(Path(sys.argv[1]))

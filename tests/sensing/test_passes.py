@@ -9,8 +9,8 @@ from helpers.worlds import World, escapes, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import steps
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import steps
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from experiments.against_ekf.tuning import CONSERVATIVE, TUNED
-from experiments.follow.ellipses import EllipseTally, Row, SetTally, ellipse_areas, normalised_squares
-from experiments.follow.metrics import rounded
-from experiments.follow.scenarios import Scenario
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import steps
+from experiments.following.ellipses import EllipseTally, Row, SetTally, ellipse_areas, normalised_squares
+from experiments.following.metrics import rounded
+from experiments.following.scenarios import Scenario
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import steps
 from filter import Belief, ExtendedKalmanFilter, GaussianBelief, Inconsistent, SetMembershipFilter, Step, Team
 from sim.episode import episode
 from sim.errors import ErrorKind

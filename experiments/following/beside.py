@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from experiments.follow.scenarios import Scenario
+from experiments.following.scenarios import Scenario
 from experiments.logs import first_belief
 from filter import CorralError, ExtendedKalmanFilter, Frame, GaussianBelief, follow
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import chi2
 
-from experiments.follow.metrics import Metrics, rounded
+from experiments.following.metrics import Metrics, rounded
 from filter import Array, Belief, Floats, Frame, GaussianBelief, SetMembershipFilter, Truth, watch, wrap
 
 Row = dict[str, float | int | str | None]

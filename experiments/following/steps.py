@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from time import perf_counter
 
-from experiments.follow.metrics import rounded
-from experiments.follow.scenarios import Scenario
+from experiments.following.metrics import rounded
+from experiments.following.scenarios import Scenario
 from experiments.logs import LogWriter, first_belief
 from filter import AnyBelief, Compass, Filter, Frame, Step, Team, follow, warm_up
 

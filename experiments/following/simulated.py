@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from experiments.follow.scenarios import CORNERS, Scenario
+from experiments.following.scenarios import CORNERS, Scenario
 from experiments.logs import Header, InitialSet
 from sim.episode import Episode
 from sim.world import World

@@ -1,4 +1,4 @@
-"""Where frames come from, behind one type: a log here, the simulator in `experiments.follow.simulated`."""
+"""Where frames come from, behind one type: a log here, the simulator in `experiments.following.simulated`."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, team, guarantee, linear/,
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, guarantee, linear/,
 sensing/, projection/, sets/, robust/, follow, ekf, watch, warm_up.
 """
 
@@ -15,10 +15,12 @@ from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Frame, Measurement, Odometry, Range, Truth
 from filter.projection.fallback import Fallback
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
+from filter.records.frame import Frame, Truth
+from filter.records.measurements import Bearing, Compass, Measurement, Range
+from filter.records.odometry import Odometry
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter

@@ -17,7 +17,9 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.measurements import BELOW_1, TIME, Bearing, Compass, Measurement, Odometry
+from filter.records.measurements import Bearing, Compass, Measurement
+from filter.records.odometry import Odometry
+from filter.records.record import BELOW_1, TIME
 from filter.team import Team
 
 STATES = 3  # x, y, heading

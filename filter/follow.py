@@ -9,7 +9,9 @@ from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 from filter.arrays import Frozen, checked, function, instance, number, one_by_one
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Frame, Measurement, Odometry, measurements_of
+from filter.records.frame import Frame
+from filter.records.measurements import Measurement, measurements_of
+from filter.records.odometry import Odometry
 
 
 class Timed(Protocol):

@@ -24,7 +24,8 @@ from filter.arrays import (
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range, measurements_of
+from filter.records.measurements import Bearing, Compass, Measurement, Range, measurements_of
+from filter.records.odometry import Odometry
 
 ARENA = "(2, 2) lower corner below upper corner [m], infinite where it is open"
 

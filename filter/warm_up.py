@@ -9,8 +9,9 @@ from filter.compiled import MADE
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.projection.window import Window
+from filter.records.measurements import Bearing, Compass, Measurement, Range
+from filter.records.odometry import Odometry
 from filter.robust.robust_filter import RobustFilter
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

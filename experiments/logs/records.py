@@ -27,7 +27,7 @@ from filter import (
     Truth,
 )
 from filter.arrays import finite, read_only
-from filter.measurements import field_names
+from filter.records.record import field_names
 
 FORMAT = "corral-log"
 VERSION = 1

@@ -13,7 +13,8 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.measurements import Bearing, Compass, Measurement, Odometry
+from filter.records.measurements import Bearing, Compass, Measurement
+from filter.records.odometry import Odometry
 from filter.robust.belief import RobustBelief
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of

@@ -7,7 +7,7 @@ from filter.compiled import compiled
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, intersection
 from filter.linear.sources import Source, Sources
-from filter.measurements import Bearing, Compass
+from filter.records.measurements import Bearing, Compass
 from filter.sensing.readings import Readings
 
 

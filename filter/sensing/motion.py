@@ -14,7 +14,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
-from filter.measurements import Odometry
+from filter.records.odometry import Odometry
 from filter.team import Team
 
 CORNERS = 8  # of a set of displacements: of a trapezoid ahead, and of one behind

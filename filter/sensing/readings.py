@@ -7,7 +7,8 @@ import numpy as np
 
 from filter.arrays import Integers
 from filter.linear.sources import NOBODY, Kind, Source, Sources
-from filter.measurements import Bearing, Compass, Measurement, Range, field_names
+from filter.records.measurements import Bearing, Compass, Measurement, Range
+from filter.records.record import field_names
 
 KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range"}
 WHO = ("robot", "target")

@@ -13,7 +13,7 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Range
+from filter.records.measurements import Bearing, Range
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of a whole disc.
 TANGENT_SPACING = np.pi / 6

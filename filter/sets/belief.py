@@ -14,8 +14,8 @@ from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
-from filter.measurements import Odometry
 from filter.projection.fallback import Fallback
+from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
 

@@ -20,7 +20,9 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.sources import KINDS, Kind, Source
-from filter.measurements import Compass, Measurement, Odometry, field_names
+from filter.records.measurements import Compass, Measurement
+from filter.records.odometry import Odometry
+from filter.records.record import field_names
 from filter.sensing.readings import KIND_OF
 from filter.sets.belief import Belief
 from filter.team import Team

@@ -16,10 +16,11 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
-from filter.measurements import Measurement, Odometry
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
+from filter.records.measurements import Measurement
+from filter.records.odometry import Odometry
 from filter.sensing.cells import ByCases
 from filter.sensing.motion import displacements, turned_headings
 from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter

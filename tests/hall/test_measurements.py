@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from filter import Bearing, Compass, Odometry, Range
 from filter.errors import InvalidInput
-from filter.measurements import Bearing, Compass, Odometry, Range, field_names, interval_of_measured
+from filter.records.measurements import interval_of_measured
+from filter.records.record import field_names
 
 GOOD = {
     Compass: {"time": 0.0, "robot": 0, "heading": 0.5, "bound": 0.1},

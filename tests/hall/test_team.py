@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from filter import Bearing, Compass, Odometry, Range
 from filter.errors import InvalidInput
-from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.team import Team
 
 

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 from helpers.worlds import escapes
 
+from filter import Odometry
 from filter.geometry.polygon import Polygon
-from filter.measurements import Odometry
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

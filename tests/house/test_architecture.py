@@ -12,7 +12,10 @@ LONGEST = 300
 FULLEST = 15
 # The filter's records: all that the simulator knows of it.
 RECORDS = {
-    "filter.measurements",
+    "filter.records.frame",
+    "filter.records.measurements",
+    "filter.records.odometry",
+    "filter.records.record",
     "filter.team",
     "filter.geometry.angles",
     "filter.arrays",

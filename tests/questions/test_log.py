@@ -7,7 +7,7 @@ import pytest
 
 from experiments.logs import Header, InitialSet, InvalidLog, LogReader, LogWriter
 from filter import Bearing, Compass, Frame, InvalidInput, Odometry, Range, Team, Truth
-from filter.measurements import field_names
+from filter.records.record import field_names
 
 TEAM = Team(
     3, landmarks=[[0.1, 0.2], [1 / 3, -2e-17]], speed_limit=0.7, turn_rate_limit=1.5, arena=[[-6, -np.inf], [6, np.inf]]

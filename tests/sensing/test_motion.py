@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+from filter import Odometry
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import area_of, hull_of
 from filter.geometry.polygon import clip
 from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
-from filter.measurements import Odometry
 from filter.sensing.motion import CORNERS, Displacements, displacements, turned_headings
 from filter.team import Team
 

@@ -5,8 +5,9 @@ import pytest
 from helpers.teams import begun
 from helpers.worlds import World
 
+from filter import Bearing, Compass, Range
 from filter.linear.sources import Source, Sources
-from filter.measurements import Bearing, Compass, Range, field_names
+from filter.records.record import field_names
 from filter.sensing.readings import KIND_OF, Readings
 from filter.sets.set_membership import SetMembershipFilter
 

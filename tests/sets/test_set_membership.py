@@ -6,12 +6,12 @@ from helpers.programs import supports
 from helpers.teams import BOX, TEAM, beliefs, estimator, odometry, snapshot, started
 from helpers.worlds import World, escapes, outside_hull
 
+from filter import Bearing, Compass, Range
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Range
 from filter.projection.stop import Stop
 from filter.projection.window import Window
 from filter.sets.set_membership import SetMembershipFilter

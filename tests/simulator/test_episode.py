@@ -7,9 +7,9 @@ import pickle
 import numpy as np
 import pytest
 
+from filter import Bearing, Compass, Range
 from filter.errors import InvalidInput
 from filter.geometry.angles import wrap
-from filter.measurements import Bearing, Compass, Range
 from sim.episode import MEASUREMENT_CHOICES, episode
 from sim.errors import ERROR_KINDS
 from sim.sensors import Sensors

@@ -10,7 +10,7 @@ from time import perf_counter
 from experiments.following.metrics import rounded
 from experiments.following.scenarios import Scenario
 from experiments.logs import LogWriter, first_belief
-from filter import AnyBelief, Compass, Filter, Frame, Step, Team, follow, warm_up
+from filter import AnyBelief, Bearing, Filter, Frame, Range, Step, Team, follow, warm_up
 
 
 @cache
@@ -55,7 +55,7 @@ class Contacts:
 
     def changes(self, frame: Frame) -> list[str]:
         """Return in words what has changed since the last frame."""
-        records = [record for record in frame.measurements if not isinstance(record, Compass)]
+        records = [record for record in frame.measurements if isinstance(record, Bearing | Range)]
         pairs = {pair for record in records for pair in zip(record.robot.tolist(), record.target.tolist(), strict=True)}
         links = {(robot, target) for robot, target in pairs if target >= self.team.robots}
         linked = {body for pair in pairs for body in pair if body < self.team.robots}

@@ -31,6 +31,7 @@ from filter.records.record import field_names
 
 FORMAT = "corral-log"
 VERSION = 1
+ASIDE = "aside"  # a column of odometry that older logs do not have, nor those of robots that drive straight ahead
 _MEASUREMENTS: dict[str, type[Compass | Bearing | Range]] = {"compass": Compass, "bearing": Bearing, "range": Range}
 
 
@@ -86,11 +87,16 @@ class Header:
             "robots": int(self.team.robots),
             "landmarks": self.team.landmarks.tolist(),
             "arena": arena,
-            "speed_limit": float(self.team.speed_limit),
-            "turn_rate_limit": float(self.team.turn_rate_limit),
+            "speed_limit": _one_or_each(self.team.speed_limit),
+            "turn_rate_limit": _one_or_each(self.team.turn_rate_limit),
             "start": float(self.start),
             "rate": None if self.rate is None else float(self.rate),
         }
+
+
+def _one_or_each(limits: Array) -> float | list[float]:
+    """Return the limit that all robots have, or else each one's."""
+    return float(limits[0]) if (limits == limits[0]).all() else limits.tolist()
 
 
 def initial_record(robot: int, known: InitialSet) -> dict[str, Any]:
@@ -119,6 +125,8 @@ def _columns(record: Measurement | Odometry, robots: int) -> dict[str, list[Any]
     columns: dict[str, list[Any]] = {}
     for name in field_names(record):
         column = getattr(record, name).tolist()
+        if name == ASIDE and not any(column):
+            continue
         columns |= _targets(column, robots) if name == "target" else {name: column}
     return columns
 
@@ -198,7 +206,8 @@ def read_odometry(record: Fields, team: Team) -> Odometry:
         InvalidInput: A field is not as it should be.
     """
     start, time, robots = record.number("start"), record.number("time"), record.robots(team.robots)
-    others = {field.name: record.numbers(field.name) for field in fields(Odometry)[3:]}
+    names = [field.name for field in fields(Odometry)[3:] if field.name != ASIDE or record.has(ASIDE)]
+    others = {name: record.numbers(name) for name in names}
     record.end()
     return Odometry(start, time, robots, **others)
 

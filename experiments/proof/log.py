@@ -21,6 +21,7 @@ COLUMNS = {
     "bearing": ("bearing", "bound"),
     "range": ("range", "bound", "relative_bound"),
 }
+ASIDE = "aside"  # a column of odometry that need not be there
 BOUNDS = {"distance_bound", "turn_bound", "direction_bound", "slip_bound", "bound", "relative_bound", "range"}
 Reading = dict[str, Fraction]
 Who = tuple[str, int, int | None]  # kind, robot, target
@@ -142,16 +143,16 @@ class Log:
 
     def _readings(self, kind: str, record: Record, since: float) -> Iterator[tuple[Who, dict[str, float]]]:
         seen = {"target", "landmark"} & set(record) if kind in ("bearing", "range") else set()
+        seen |= {ASIDE} & set(record) if kind == "odometry" else set()
         others = {"time", "robot", *(("start",) if kind == "odometry" else ())}
         fields = _fields(record, kind, {*others, *COLUMNS[kind], *seen})
+        names = (*COLUMNS[kind], *({ASIDE} & seen))
         if kind == "odometry" and (fields["start"] != since or since == fields["time"]):
             raise Broken(f"odometry from t = {shown(fields['start'])} s on, where the frame before is of {since} s")
         whose = [*_columns([fields["robot"], fields.get("target"), fields.get("landmark")])]
-        numbers = [*_columns([fields[name] for name in COLUMNS[kind]], len(whose))]
+        numbers = [*_columns([fields[name] for name in names], len(whose))]
         for (robot, mate, mark), row in zip(whose, numbers, strict=True):
-            values = {
-                name: number(value, 0 if name in BOUNDS else None) for name, value in zip(COLUMNS[kind], row, strict=True)
-            }
+            values = {name: number(value, 0 if name in BOUNDS else None) for name, value in zip(names, row, strict=True)}
             if values.get("relative_bound", 0) >= 1:
                 raise Broken("a relative bound of 1 or more")
             target = self._target(mate, mark) if kind in ("bearing", "range") else None

@@ -10,7 +10,7 @@ import numpy as np
 from filter.arrays import Array, Floats, Integers, Table
 
 Kind = Literal[
-    "initial set", "compass", "bearing", "range", "sighting", "odometry", "heading", "region", "cells",
+    "initial set", "compass", "bearing", "range", "position", "sighting", "odometry", "heading", "region", "cells",
     "pair", "speed limit", "turn limit", "arena",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -22,10 +22,10 @@ class Source:
     """What produced a constraint.
 
     Attributes:
-        kind: A measurement ("compass", "bearing", "range", or "sighting" for a bearing with its range), a motion ("odometry",
-            or the "speed limit" or "turn limit" of a robot without), the "arena" that no robot leaves, or what was known
-            before: an "initial set", a "heading", a "region", an earlier outer polygon, or rows on a "pair"; or "cells", all
-            readings of one time that concern a robot, with what was known of its pose.
+        kind: A measurement ("compass", "bearing", "range", "position", or "sighting" for a bearing with its range), a motion
+            ("odometry", or the "speed limit" or "turn limit" of a robot without), the "arena" that no robot leaves, or what was
+            known before: an "initial set", a "heading", a "region", an earlier outer polygon, or rows on a "pair"; or "cells",
+            all readings of one time that concern a robot, with what was known of its pose.
         time: When [s].
         robot: Who measured, or of whom it is said.
         target: What was measured, the other robot of a pair, or None.

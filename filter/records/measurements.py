@@ -11,12 +11,14 @@ Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landm
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Integers, checked, finite, several
+from filter.arrays import Array, Floats, Integers, checked, finite, instance, number, several, shown, whole_number
 from filter.errors import InvalidInput
+from filter.geometry.convex import EPSILON
+from filter.geometry.polygon import BY_HAND, Polygon
 from filter.records.record import BELOW_1, BELOW_90_DEGREES, ROBOT, TARGET, TIME, Record
 
 
@@ -109,12 +111,88 @@ class Range(_Sighting):
         return interval_of_measured(self.range, self.bound, self.relative_bound, lowest=0.0)
 
 
-Measurement = Compass | Bearing | Range
+@dataclass(frozen=True, eq=False)
+class Position(Record):
+    """Where robots are, in half-planes normal . x <= offset: a position fix, a room, a dock, one side of a line.
+
+    All half-planes of one robot in one record are one measurement. As a rule made by `fix`, `disc`, `within` or `half_plane`.
+
+    Attributes:
+        time: When [s].
+        robot: (k,) who is there.
+        normal_x: (k,) outward normal, of length 1 to rounding.
+        normal_y: (k,)
+        offset: (k,) [m].
+    """
+
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    normal_x: Array = field(metadata=checked(finite, "normal", -2, 2))
+    normal_y: Array = field(metadata=checked(finite, "normal", -2, 2))
+    offset: Array = field(metadata=checked(finite, "offset [m]"))
+
+    if TYPE_CHECKING:
+
+        def __init__(self, time: float, robot: Floats, normal_x: Floats, normal_y: Floats, offset: Floats) -> None: ...
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (np.abs(np.hypot(self.normal_x, self.normal_y) - 1) > BY_HAND).any():
+            raise InvalidInput("normals of length 1 (see Position.half_plane)", shown(self.normals.tolist()))
+
+    @property
+    def normals(self) -> Array:
+        """(k, 2) outward normals."""
+        return np.stack([self.normal_x, self.normal_y], axis=1)
+
+    @classmethod
+    def within(cls, time: float, robot: int, polygon: Polygon) -> Self:
+        """Return that a robot is in a polygon; raises `InvalidInput` if it is none."""
+        edges = instance("a polygon", polygon, Polygon)
+        return cls(time, robot, normal_x=edges.normals[:, 0], normal_y=edges.normals[:, 1], offset=edges.offsets)
+
+    @classmethod
+    def fix(cls, time: float, robot: int, position: Floats, bound: Floats) -> Self:
+        """Return that a robot is within +- bound, one number or one for each axis, of a position (2,) [m], in x and in y."""
+        middle, half = _place("position [m]", position), finite("bound of a position [m]", bound, 0)
+        if half.shape not in ((), (2,)):
+            raise InvalidInput("bound of a position [m]: one number, or one for x and one for y", shown(bound))
+        lower, upper = (np.nextafter(middle + sign * half, sign * np.inf) for sign in (-1, 1))
+        return cls.within(time, robot, Polygon.box(lower, upper))
+
+    @classmethod
+    def disc(cls, time: float, robot: int, centre: Floats, radius: float, sides: int = 32) -> Self:
+        """Return that a robot is no farther from a place (2,) than a radius [m], by so many tangents, from 3 to 1000."""
+        middle, reach = _place("centre [m]", centre), number("radius [m]", radius, 0)
+        angle = 2 * np.pi * np.arange(count := whole_number("sides", sides, 3, 1000)) / count
+        x, y = np.cos(angle), np.sin(angle)
+        rounding = 8 * EPSILON * (np.abs(middle).sum() + reach)
+        return cls(time, robot, x, y, x * middle[0] + y * middle[1] + reach + rounding)
+
+    @classmethod
+    def half_plane(cls, time: float, robot: int, normal: Floats, offset: float) -> Self:
+        """Return that normal . x <= offset of a robot's position [m], for a normal (2,) of any length but 0."""
+        across, beyond = _place("normal", normal), number("offset [m]", offset)
+        length = float(np.hypot(*across))
+        if not length:
+            raise InvalidInput("a normal with a direction", shown(normal))
+        x, y = across / length
+        return cls(time, robot, x, y, np.nextafter(beyond / length, np.inf))
+
+
+Measurement = Compass | Bearing | Range | Position
+
+
+def _place(name: str, values: Floats) -> Array:
+    place = finite(name, values)
+    if place.shape != (2,):
+        raise InvalidInput(f"{name}: two coordinates", shown(values))
+    return place
 
 
 def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
-    """Return records of compass, bearing or range, from whatever holds them; raises `InvalidInput` if something is none."""
-    return several("records of compass, bearing or range", records, Compass, Bearing, Range)
+    """Return records of measurements, from whatever holds them; raises `InvalidInput` if something is none."""
+    return several("records of compass, bearing, range or position", records, Compass, Bearing, Range, Position)
 
 
 def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:

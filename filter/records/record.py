@@ -28,10 +28,10 @@ class Record(Frozen):
         return values | dict(zip(columns, arrays, strict=True))
 
     @classmethod
-    def of_checked(cls, time: float, columns: dict[str, np.ndarray]) -> Self:
-        """Return a record of columns that were checked before, without a look."""
+    def of_checked(cls, time: float, columns: dict[str, np.ndarray], **times: float) -> Self:
+        """Return a record of columns and times that were checked before, without a look."""
         record = object.__new__(cls)
-        settle(record, time=time, **{name: read_only(column) for name, column in columns.items()})
+        settle(record, time=time, **times, **{name: read_only(column) for name, column in columns.items()})
         return record
 
 

@@ -89,16 +89,17 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     A robot without odometry can have gone anywhere within its speed limit.
 
     Algorithm:
-        Path length s in [least, greatest], direction within d of phi = heading + turn / 2. The robot's heading deviates from
-        phi's true value by half the turn and the direction bound at most, so the chord is at least least cos(that) long.
+        Path length s in [least, greatest], direction within d of phi = heading + turn / 2 + aside. On its way the robot's
+        deviates from that by half the turn and the direction bound at most, so the chord is at least least cos(that) long.
         Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement is longer than the path,
         which tells where the sector is wide.
     """
     vertices = np.zeros((team.robots, CORNERS, 2))
-    reach, slip = np.zeros(team.robots), np.full(team.robots, team.speed_limit * duration)
+    reach, slip = np.zeros(team.robots), team.speed_limit * duration
     if odometry is None:
         return Displacements(vertices, reach, slip)
-    direction = headings[odometry.robot].turned(odometry.turn / 2, odometry.turn_bound / 2 + odometry.direction_bound)
+    way = odometry.turn / 2 + odometry.aside
+    direction = headings[odometry.robot].turned(way, odometry.turn_bound / 2 + odometry.direction_bound)
     most_turned, back = np.abs(odometry.turn) + odometry.turn_bound, direction.turned(np.pi)
     chord = np.cos(np.minimum(np.pi / 2, most_turned / 2 + odometry.direction_bound))
     least, greatest = odometry.distance - odometry.distance_bound, odometry.distance + odometry.distance_bound
@@ -128,7 +129,7 @@ def _trapezoids(nearest: Array, farthest: Array, centre: Array, bound: Array) ->
 
 def turned_headings(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> AngularIntervals:
     """Return the n headings after the motion [rad]; a robot without odometry can have turned within its turn-rate limit."""
-    turn, bound = np.zeros(team.robots), np.full(team.robots, team.turn_rate_limit * duration)
+    turn, bound = np.zeros(team.robots), team.turn_rate_limit * duration
     if odometry is not None:
         turn[odometry.robot], bound[odometry.robot] = odometry.turn, odometry.turn_bound
     return headings.turned(turn, bound)

@@ -84,7 +84,7 @@ class Merger(Frozen):
         headings: (n) the robots' headings before [rad].
         readings: What was measured.
         sources: The belief's table of sources, with those of
-        numbers: (b + r + n,) bearings, ranges and robots' cells.
+        numbers: (b + r + p + n,) bearings, ranges, positions and robots' cells.
         landmarks: (l, 2) [m].
         spacing: Greatest angle between two tangents of a range's far side [rad].
         cells: Into how many a robot's poses are split at most; 0 for never, and for one pass.
@@ -132,7 +132,7 @@ class Merger(Frozen):
 
     def _wide(self, merged: Polytope, read: Directions) -> Integers:
         """Return the robots that something is wide of, for what was measured: they are worth cells."""
-        (_, bearings, ranges), robots = self.readings, len(self.headings)
+        (_, bearings, ranges, _), robots = self.readings, len(self.headings)
         worst, by_heading = np.zeros(robots + len(self.landmarks)), np.zeros(robots)
         np.maximum.at(worst, np.concatenate([ranges.robot, ranges.target]), np.tile(self._inside(read), 2))
         several = np.flatnonzero(np.bincount(bearings.robot, minlength=robots)[bearings.robot] >= WORTH_A_SLICE)
@@ -182,7 +182,7 @@ class Merger(Frozen):
 
         The directions that an earlier pass has made narrow are rows as well: the tangents of an arc do not bound its sides.
         """
-        (_, bearings, ranges), count = self.readings, len(self.readings.bearings.robot)
+        (_, bearings, ranges, _), count = self.readings, len(self.readings.bearings.robot)
         spans = spans_of_targets(known, self.landmarks, bearings.robot, bearings.target)
         headings = narrowed_headings(self.headings, self.readings, spans)
         ways = world_arcs(bearings, headings[bearings.robot])
@@ -201,7 +201,7 @@ class Merger(Frozen):
 
     def _with_bearings(self, spans: AngularIntervals, ways: AngularIntervals) -> AngularIntervals:
         """Return the directions of the ranges' targets, narrowed by (b) directions of bearings of the same two, from either."""
-        (_, bearings, ranges), bodies = self.readings, len(self.headings) + len(self.landmarks)
+        (_, bearings, ranges, _), bodies = self.readings, len(self.headings) + len(self.landmarks)
         if not len(bearings.robot) or not len(ranges.robot):
             return spans
         keys = [

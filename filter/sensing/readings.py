@@ -7,13 +7,13 @@ import numpy as np
 
 from filter.arrays import Integers
 from filter.linear.sources import NOBODY, Kind, Source, Sources
-from filter.records.measurements import Bearing, Compass, Measurement, Range
+from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.record import field_names
 
-KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range"}
+KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range", Position: "position"}
 WHO = ("robot", "target")
 NO_VALUES = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
-Record = TypeVar("Record", Compass, Bearing, Range)
+AnyRecord = TypeVar("AnyRecord", Compass, Bearing, Range, Position)
 
 
 class Readings(NamedTuple):
@@ -23,24 +23,29 @@ class Readings(NamedTuple):
         compasses: (c)
         bearings: (b)
         ranges: (r)
+        positions: (p) half-planes
     """
 
     compasses: Compass
     bearings: Bearing
     ranges: Range
+    positions: Position
 
     @classmethod
     def of(cls, time: float, measurements: Sequence[Measurement]) -> "Readings":
         """Return measurements that were taken at one time [s]."""
         return cls(
-            _sorted(Compass, time, measurements), _sorted(Bearing, time, measurements), _sorted(Range, time, measurements)
+            _sorted(Compass, time, measurements),
+            _sorted(Bearing, time, measurements),
+            _sorted(Range, time, measurements),
+            _sorted(Position, time, measurements),
         )
 
     def numbered(self, sources: Sources, robots: int) -> tuple[Sources, Integers]:
-        """Enter what makes rows into a table; return it and the numbers (b + r + n,) of bearings, ranges, n robots' cells."""
+        """Enter what makes rows in a table; return it and numbers (b + r + p + n,) of these, and of the cells of n robots."""
         first = len(sources)
-        for record in (self.bearings, self.ranges):
-            sources, _ = sources.extended(KIND_OF[type(record)], record.time, record.robot, record.target)
+        for record in (self.bearings, self.ranges, self.positions):
+            sources, _ = sources.extended(KIND_OF[type(record)], record.time, record.robot, targets_of(record))
         sources, _ = sources.extended("cells", self.ranges.time, np.arange(robots))
         return sources, np.arange(first, len(sources))
 
@@ -52,13 +57,18 @@ class Readings(NamedTuple):
         """Return all readings by a robot, or of it."""
         found = list[Source]()
         for record in self:
-            target = np.full(len(record.robot), NOBODY) if isinstance(record, Compass) else record.target
+            target = targets_of(record)
             table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, target)
             found += [table[k] for k in np.flatnonzero((record.robot == robot) | (target == robot)).tolist()]
-        return found
+        return list(dict.fromkeys(found))
 
 
-def _sorted(kind: type[Record], time: float, measurements: Sequence[Measurement]) -> Record:
+def targets_of(record: Measurement) -> Integers:
+    """Return (k,) the targets that are measured, NOBODY for what is of the robot alone."""
+    return record.target if isinstance(record, Bearing | Range) else np.full(len(record.robot), NOBODY)
+
+
+def _sorted(kind: type[AnyRecord], time: float, measurements: Sequence[Measurement]) -> AnyRecord:
     return kind.of_checked(time, _columns(kind, [each for each in measurements if isinstance(each, kind)]))
 
 

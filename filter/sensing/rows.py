@@ -13,12 +13,13 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.records.measurements import Bearing, Range
+from filter.records.measurements import Bearing, Position, Range
+from filter.sensing.readings import Readings
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of a whole disc.
 TANGENT_SPACING = np.pi / 6
-# Every bearing is widened by this [rad] and every range by this share: far above rounding, far below any sensor. So errors
-# that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
+# Every bearing is widened by this [rad], every position [m], every range by this share: far above rounding, far below any
+# sensor. So errors that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
 WIDENING = 1e-8
 
 
@@ -65,6 +66,23 @@ def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, 
             rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = k, normals[m, 0], normals[m, 1], offsets[m]
             count += 1
     return rows[:count].copy()
+
+
+def position_rows(record: Position, polytope: Polytope, source: Integers) -> Constraints:
+    """Return the half-planes of positions as rows, moved outward by `WIDENING` and all rounding within the polytope's box."""
+    normal, extent = record.normals, np.maximum(np.abs(polytope.lower), np.abs(polytope.upper))
+    allowance = 4 * EPSILON * (np.abs(record.offset) + extent[record.robot].sum(axis=1))
+    world = np.full(len(record.robot), WORLD)
+    return Constraints(world, record.robot, normal, record.offset, source).shifted(WIDENING + allowance)
+
+
+def placed(polytope: Polytope, readings: Readings, numbers: Integers) -> Polytope:
+    """Return a polytope with the rows of positions; the numbers are those of readings (see `Readings.numbered`)."""
+    first = len(readings.bearings.robot) + len(readings.ranges.robot)
+    if not len(readings.positions.robot):
+        return polytope
+    rows = position_rows(readings.positions, polytope, numbers[first : first + len(readings.positions.robot)])
+    return polytope.with_constraints(Constraints.concatenate([polytope.constraints, rows]))
 
 
 def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constraints:

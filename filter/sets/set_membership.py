@@ -25,7 +25,7 @@ from filter.sensing.cells import ByCases
 from filter.sensing.motion import displacements, turned_headings
 from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
-from filter.sensing.rows import TANGENT_SPACING
+from filter.sensing.rows import TANGENT_SPACING, placed
 from filter.sets.belief import Belief, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.predict import moved
@@ -195,7 +195,8 @@ class SetMembershipFilter(Frozen):
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         team = self.team.landmarks, self.tangent_spacing, self.cells
-        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
+        start = placed(belief.polytope, readings, numbers)
+        merged = Merger(start, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
         known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
         self.on_phase("project")

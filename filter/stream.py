@@ -1,0 +1,90 @@
+"""Records at stamps of their own become frames: one for each time at which something was measured, or is asked for."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from filter.arrays import instance, number, one_by_one
+from filter.errors import OutOfOrder
+from filter.motions import Motions
+from filter.records.frame import Frame, Truth
+from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
+from filter.records.odometry import Odometry, Twist
+from filter.team import Team
+
+Arrival = Measurement | Odometry | Twist | Frame
+ARRIVALS = (Compass, Bearing, Range, Position, Odometry, Twist, Frame)
+
+
+def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float = 1.0) -> Iterator[Frame]:
+    """Yield a frame for each time at which something was measured, and for each that came, with the motion since the last one.
+
+    A frame is held back until the odometry of all robots has reached it, or something has come that is newer by `hold`: what is
+    not known by then is filled up by the limits. So records may come late by as much, in any order. See `Motions`.
+
+    Args:
+        team: Whose records these are.
+        start: When what is known before begins [s].
+        arrivals: Measurements, odometry, twists, and frames that are asked for, as they come; frames with measurements, truth or
+            odometry of their own, from any time on.
+        hold: How late a record may be, from 0 on [s].
+
+    Raises:
+        OutOfOrder: A record is older than a frame that is done, or than the start.
+        InvalidInput: Something is no such record, or names an unknown robot or landmark, or odometry overlaps.
+    """
+    instance("team", team, Team)
+    begin, patience = number("start [s]", start), number("hold [s]", hold, 0)
+    return _Stream(team, begin, patience).frames(one_by_one("records, as they come", arrivals))
+
+
+@dataclass
+class _Asked:
+    """What came of one time."""
+
+    measurements: list[Measurement] = field(default_factory=list)
+    truth: Truth | None = None
+
+
+class _Stream:
+    """What has come and is not done yet."""
+
+    def __init__(self, team: Team, start: float, hold: float) -> None:
+        self._team, self._hold = team, hold
+        self._motions, self._waiting = Motions(team), dict[float, _Asked]()
+        self._done, self._newest, self._first = start, -np.inf, True
+
+    def frames(self, arrivals: Iterator[Arrival]) -> Iterator[Frame]:
+        for record in arrivals:
+            self._take(record)
+            self._newest = max(self._newest, record.time)
+            yield from self._ended(self._motions.until.min(), self._newest - self._hold)
+        yield from self._ended(np.inf, np.inf)
+
+    def _take(self, record: Arrival) -> None:
+        """Take a record in, or the records of a frame."""
+        instance("a record, as it comes", record, *ARRIVALS)
+        if isinstance(record, Odometry | Twist):
+            if record.time > self._done or isinstance(record, Twist):
+                self._motions = self._motions.merged(record)
+            return
+        if record.time < self._done or (record.time == self._done and not self._first):
+            raise OutOfOrder(type(record).__name__.lower(), record.time, self._done)
+        asked = self._waiting.setdefault(record.time, _Asked())
+        if not isinstance(record, Frame):
+            self._team.check(record)
+            asked.measurements.append(record)
+            return
+        if record.odometry is not None:
+            self._motions = self._motions.merged(record.odometry)
+        asked.measurements += record.measurements
+        asked.truth = record.truth or asked.truth
+
+    def _ended(self, told: float, old: float) -> Iterator[Frame]:
+        """Yield the frames up to which odometry has told of all robots, and those that are older than what may be late."""
+        for time in sorted(time for time in self._waiting if time <= max(told, old)):
+            asked, odometry = self._waiting.pop(time), self._motions.between(self._done, time)
+            self._done, self._first = time, False
+            self._motions = self._motions.since(time)
+            yield Frame(time, odometry, asked.measurements, asked.truth)

@@ -3,17 +3,18 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, joined, motions, guarantee,
-linear/, sensing/, projection/, sets/, robust/, stream, follow, ekf, watch, warm_up.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, joined, motions,
+guarantee, linear/, sensing/, projection/, sets/, robust/, stream, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
-from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Mistimed, Step, follow
+from filter.follow import AnyBelief, Filter, Step, follow
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
+from filter.lag import FixedLag, Lagged, Mistimed
 from filter.linear.sources import Source
 from filter.motions import Motions
 from filter.projection.fallback import Fallback

@@ -9,12 +9,12 @@ from filter.arrays import instance, number, one_by_one
 from filter.errors import OutOfOrder
 from filter.motions import Motions
 from filter.records.frame import Frame, Truth
-from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
+from filter.records.measurements import MEASUREMENTS, Measurement
 from filter.records.odometry import Odometry, Twist
 from filter.team import Team
 
 Arrival = Measurement | Odometry | Twist | Frame
-ARRIVALS = (Compass, Bearing, Range, Position, Odometry, Twist, Frame)
+ARRIVALS = (*MEASUREMENTS, Odometry, Twist, Frame)
 
 
 def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float = 1.0) -> Iterator[Frame]:
@@ -26,8 +26,8 @@ def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float
     Args:
         team: Whose records these are.
         start: When what is known before begins [s].
-        arrivals: Measurements, odometry, twists, and frames that are asked for, as they come; frames with measurements, truth or
-            odometry of their own, from any time on.
+        arrivals: Measurements, odometry, twists, and frames that are asked for, as they come; frames may have measurements,
+            truth, and odometry from any time on.
         hold: How late a record may be, from 0 on [s].
 
     Raises:

@@ -65,8 +65,13 @@ class Sources(Table):
         kind, time, robot, target = (column[number].item() for column in self.columns)
         return Source(KINDS[kind], time, robot, None if target == NOBODY else target)
 
-    def extended(self, kind: Kind, time: float, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
+    def extended(self, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
         """Return the table with (k) more entries, and their numbers."""
         robots, targets = np.broadcast_arrays(np.asarray(robot, dtype=np.int64), np.asarray(target, dtype=np.int64))
-        more = Sources(np.full(len(robots), KINDS.index(kind)), np.full(len(robots), time), robots, targets)
+        more = Sources(
+            np.full(len(robots), KINDS.index(kind)),
+            np.broadcast_to(np.asarray(time, dtype=float), robots.shape),
+            robots,
+            targets,
+        )
         return Sources.concatenate([self, more]), np.arange(len(self), len(self) + len(robots))

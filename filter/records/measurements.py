@@ -181,6 +181,7 @@ class Position(Record):
 
 
 Measurement = Compass | Bearing | Range | Position
+MEASUREMENTS = (Compass, Bearing, Range, Position)
 
 
 def _place(name: str, values: Floats) -> Array:
@@ -192,7 +193,7 @@ def _place(name: str, values: Floats) -> Array:
 
 def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
     """Return records of measurements, from whatever holds them; raises `InvalidInput` if something is none."""
-    return several("records of compass, bearing, range or position", records, Compass, Bearing, Range, Position)
+    return several("records of compass, bearing, range or position", records, *MEASUREMENTS)
 
 
 def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:

@@ -73,20 +73,32 @@ def _normals(vertices: Array) -> Array:
 def _support(vertices: Array, reach: Array, slip: Array, robot: Integers, direction: Array) -> Array:
     support = np.empty(len(robot))
     for k in range(len(robot)):
-        x, y, corners = direction[k, 0], direction[k, 1], vertices[robot[k]]
-        farthest, size = -np.inf, 0.0
-        for m in range(len(corners)):
-            farthest = max(farthest, corners[m, 0] * x + corners[m, 1] * y)
-            size = max(size, abs(corners[m, 0]) + abs(corners[m, 1]))
-        length, rounding = np.hypot(x, y), 16 * EPSILON * (size + slip[robot[k]])
-        support[k] = min(farthest, reach[robot[k]] * length) + (slip[robot[k]] + rounding) * length
+        whose = robot[k]
+        support[k] = support_of(vertices[whose], reach[whose], slip[whose], direction[k, 0], direction[k, 1])
     return support
+
+
+@compiled
+def support_of(corners: Array, reach: float, slip: float, x: float, y: float) -> float:
+    """Return an upper bound of (x, y) . u over the displacements u of one robot [m]."""
+    farthest, size = -np.inf, 0.0
+    for m in range(len(corners)):
+        farthest = max(farthest, corners[m, 0] * x + corners[m, 1] * y)
+        size = max(size, abs(corners[m, 0]) + abs(corners[m, 1]))
+    length, rounding = np.hypot(x, y), 16 * EPSILON * (size + slip)
+    return min(farthest, reach * length) + (slip + rounding) * length
 
 
 def displacements(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> Displacements:
     """Return where each robot can have gone in `duration` [s], from n headings at the start [rad].
 
     A robot without odometry can have gone anywhere within its speed limit.
+    """
+    return displacements_of(odometry, headings, team.speed_limit * duration)
+
+
+def displacements_of(odometry: Odometry | None, headings: AngularIntervals, reach: Array) -> Displacements:
+    """Return where each robot can have gone, from n headings at the start [rad]; without odometry, no farther than (n,) [m].
 
     Algorithm:
         Path length s in [least, greatest], direction within d of phi = heading + turn / 2 + aside. On its way the robot's
@@ -94,10 +106,9 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
         Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement is longer than the path,
         which tells where the sector is wide.
     """
-    vertices = np.zeros((team.robots, CORNERS, 2))
-    reach, slip = np.zeros(team.robots), team.speed_limit * duration
+    vertices, path, slip = np.zeros((len(headings), CORNERS, 2)), np.zeros(len(headings)), reach.copy()
     if odometry is None:
-        return Displacements(vertices, reach, slip)
+        return Displacements(vertices, path, slip)
     way = odometry.turn / 2 + odometry.aside
     direction = headings[odometry.robot].turned(way, odometry.turn_bound / 2 + odometry.direction_bound)
     most_turned, back = np.abs(odometry.turn) + odometry.turn_bound, direction.turned(np.pi)
@@ -112,8 +123,8 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     anywhere = ((direction.bound > WIDEST) | (most_turned >= 2 * np.pi))[:, None, None]
     square = farthest[:, None, None] * np.tile([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]], (2, 1))
     vertices[odometry.robot] = np.where(anywhere, square, np.concatenate([ahead, behind], axis=1))
-    reach[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound
-    return Displacements(vertices, reach, slip)
+    path[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound
+    return Displacements(vertices, path, slip)
 
 
 @compiled

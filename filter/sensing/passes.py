@@ -151,6 +151,7 @@ class Merger(Frozen):
         before, now = self.polytope, boxed_at_a_glance(merged)
         is_new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
         is_new[self.again] = True
+        is_new &= self.readings.since is None  # a step for each instant costs more than little is worth
         wide = suspects[(is_new | (by_range > INSIDE) | (by_heading > WIDE_HEADING))[suspects]]
         areas = (now.upper - now.lower).prod(axis=1)
         return wide if matter(wide, areas) else NO_ROBOTS

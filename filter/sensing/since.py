@@ -92,7 +92,7 @@ class Moves(Frozen):
 
     @cached_property
     def discs(self) -> tuple[Array, Array]:
-        """Centres (s n + n, 2) and radii (s n + n,) of discs around the displacements since the beginning and each instant [m]."""
+        """Centres (s n + n, 2) and radii (s n + n,) of discs around displacements since the beginning and each instant [m]."""
         vertices, robots = self.sets.vertices, self.robots
         middle = (vertices.min(axis=1) + vertices.max(axis=1)) / 2
         away = vertices - middle[:, None]

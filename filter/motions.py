@@ -66,13 +66,6 @@ class Motions(Frozen):
         kept = self.parts[:, TIME] > number("time [s]", time)
         return self if kept.all() else Motions(self.team, self.parts[kept])
 
-    @property
-    def until(self) -> Array:
-        """(n,) when the newest record of each robot ends [s]; -infinity where there is none."""
-        ends = np.full(self.team.robots, -np.inf)
-        np.maximum.at(ends, self.parts[:, ROBOT].astype(np.int64), self.parts[:, TIME])
-        return ends
-
     def between(self, start: float, time: float) -> Odometry | None:
         """Return how robots moved from one time to another [s]; None where nothing is known of any, or no time passes.
 

@@ -20,8 +20,8 @@ ARRIVALS = (*MEASUREMENTS, Odometry, Twist, Frame)
 def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float = 1.0) -> Iterator[Frame]:
     """Yield a frame for each time at which something was measured, and for each that came, with the motion since the last one.
 
-    A frame is held back until the odometry of all robots has reached it, or something has come that is newer by `hold`: what is
-    not known by then is filled up by the limits. So records may come late by as much, in any order. See `Motions`.
+    A frame is held back until something has come that is newer by more than `hold`; motion that is not known by then is filled
+    up by the limits. So records may come late by as much, in any order. See `Motions`.
 
     Args:
         team: Whose records these are.
@@ -59,8 +59,8 @@ class _Stream:
         for record in arrivals:
             self._take(record)
             self._newest = max(self._newest, record.time)
-            yield from self._ended(self._motions.until.min(), self._newest - self._hold)
-        yield from self._ended(np.inf, np.inf)
+            yield from self._ended(self._newest - self._hold)
+        yield from self._ended(np.inf)
 
     def _take(self, record: Arrival) -> None:
         """Take a record in, or the records of a frame."""
@@ -81,9 +81,9 @@ class _Stream:
         asked.measurements += record.measurements
         asked.truth = record.truth or asked.truth
 
-    def _ended(self, told: float, old: float) -> Iterator[Frame]:
-        """Yield the frames up to which odometry has told of all robots, and those that are older than what may be late."""
-        for time in sorted(time for time in self._waiting if time <= max(told, old)):
+    def _ended(self, old: float) -> Iterator[Frame]:
+        """Yield the frames that are older than what may be late."""
+        for time in sorted(time for time in self._waiting if time < old):
             asked, odometry = self._waiting.pop(time), self._motions.between(self._done, time)
             self._done, self._first = time, False
             self._motions = self._motions.since(time)

@@ -28,12 +28,14 @@ PLAIN = {
     "collections",
     "dataclasses",
     "decimal",
+    "difflib",
     "enum",
     "fractions",
     "functools",
     "itertools",
     "math",
     "operator",
+    "re",
     "typing",
 }
 # What some modules of the filter may use besides.

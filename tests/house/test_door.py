@@ -21,8 +21,11 @@ PAST = {
     "experiments/logs/certificates.py": "the table of sources, to find the ranges that something rests on",
     "experiments/logs/exactly.py": "rows",
     "experiments/logs/fields.py": "the same checks",
+    "experiments/logs/gathering.py": "the columns of odometry, to join them",
+    "experiments/logs/lines.py": "the columns of records, and what is too large",
     "experiments/logs/records.py": "the same checks",
     "experiments/logs/sides.py": "where targets are at a glance, to prove what the filter took from that",
+    "experiments/logs/strict.py": "arrays that nobody may write to",
     "experiments/logs/tum.py": "the same checks",
     "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",
 }

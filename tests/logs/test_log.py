@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from experiments.logs import Header, InitialSet, InvalidLog, LogReader, LogWriter
+from experiments.logs.lines import Lines
 from filter import Bearing, Compass, Frame, InvalidInput, Odometry, Range, Team, Truth
 from filter.records.record import field_names
 
@@ -84,6 +85,16 @@ def test_a_log_gives_back_the_same_frames_bit_for_bit(tmp_path):
         if frame.truth is not None:
             assert same_bits(frame.truth.positions, copy.truth.positions)
             assert same_bits(frame.truth.headings, copy.truth.headings)
+
+
+def test_frames_are_the_same_without_the_fast_reader(log, monkeypatch):
+    frames = list(LogReader(log).frames())
+    monkeypatch.setattr(Lines, "read", lambda *_: None)
+    for frame, copy in zip(frames, LogReader(log).frames(), strict=True):
+        assert frame.time == copy.time
+        assert all(map(same_records, frame.measurements, copy.measurements))
+        assert frame.odometry is copy.odometry is None or same_records(frame.odometry, copy.odometry)
+        assert frame.truth is copy.truth is None or same_bits(frame.truth.positions, copy.truth.positions)
 
 
 def test_a_log_gives_back_the_same_team_and_initial_sets_bit_for_bit(tmp_path):

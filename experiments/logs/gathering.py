@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from experiments.logs.records import FrameEnd, Header, Record, TruthAt, settled
-from filter import Frame, InvalidInput, Measurement, Odometry, Truth
+from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Left, Record, TruthAt, settled
+from filter import Frame, InvalidInput, Measurement, Odometry, Truth, Twist
 from filter.records.record import field_names
 
 
@@ -24,7 +24,8 @@ class Gathering:
         self._odometry: list[Odometry] = []
         self._moved: set[int] = set()
         self._measurements: list[Measurement] = []
-        self._truth: Truth | None = None
+        self._truths: list[TruthAt] = []
+        self._shown: set[int] = set()
 
     def add(self, record: Record) -> Frame | None:
         """Take a record in; return the frame that it ends, or None.
@@ -39,17 +40,21 @@ class Gathering:
         if isinstance(record, FrameEnd):
             return self._close(record.time)
         if isinstance(record, TruthAt):
-            self._add_truth(record.truth)
+            self._add_truth(record)
+        elif isinstance(record, Twist | Joined | Left):
+            raise InvalidInput("odometry, measurements or truth of a frame (see LogReader.records)", type(record).__name__)
         else:
             self._measurements.append(record)
         return None
 
     def end(self) -> None:
         """Raise `InvalidInput` when records wait for a frame, or no frame came at all."""
+        without = "" if self._header.version == FIRST else " (LogReader.records reads logs without frames)"
         if self._time is not None:
-            raise InvalidInput(f"a frame record for the records at {self._time!r} s", "the end of the file: the log is cut off")
+            expected = f"a frame record for the records at {self._time!r} s{without}"
+            raise InvalidInput(expected, "the end of the file: the log is cut off")
         if self._previous is None:
-            raise InvalidInput("at least one frame", "the end of the file")
+            raise InvalidInput(f"at least one frame{without}", "the end of the file")
 
     def _add_odometry(self, odometry: Odometry) -> None:
         self._at(odometry.time)
@@ -64,10 +69,12 @@ class Gathering:
         self._moved |= robots
         self._odometry.append(odometry)
 
-    def _add_truth(self, truth: Truth) -> None:
-        if self._truth is not None:
-            raise InvalidInput("one truth a frame", "another")
-        self._truth = truth
+    def _add_truth(self, record: TruthAt) -> None:
+        robots = set(record.robot.tolist())
+        if twice := robots & self._shown:
+            raise InvalidInput("one truth of each robot a frame", f"another of robot {min(twice)}")
+        self._shown |= robots
+        self._truths.append(record)
 
     def _at(self, time: float) -> None:
         """Check that a record's time belongs to the frame that is being gathered."""
@@ -81,7 +88,8 @@ class Gathering:
 
     def _close(self, time: float) -> Frame:
         odometry, measurements = _joined(self._odometry), tuple(self._measurements)
-        frame = settled(Frame, time=time, odometry=odometry, measurements=measurements, truth=self._truth)
+        truth = _seen_together(self._truths, self._header.team.robots)
+        frame = settled(Frame, time=time, odometry=odometry, measurements=measurements, truth=truth)
         self._clear()
         self._previous = time
         return frame
@@ -93,3 +101,15 @@ def _joined(parts: Sequence[Odometry]) -> Odometry | None:
         return parts[0] if parts else None
     columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in field_names(parts[0])}
     return Odometry(parts[0].start, parts[0].time, **columns)
+
+
+def _seen_together(parts: Sequence[TruthAt], robots: int) -> Truth | None:
+    """Return the truth of one instant's several records as one, or None for none."""
+    if not parts:
+        return None
+    if len(parts[0].robot) == robots:
+        return parts[0].truth
+    positions, headings = np.full((robots, 2), np.nan), np.full(robots, np.nan)
+    for part in parts:
+        positions[part.robot], headings[part.robot] = part.truth.positions, part.truth.headings
+    return Truth(positions, headings)

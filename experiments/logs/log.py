@@ -1,8 +1,7 @@
 """Everything a filter was given, as `log.jsonl`: one JSON record a line, exact to the last bit. See docs/log.md.
 
-`LogWriter` writes while a run goes on; `LogReader` yields the same team, initial sets and frames again, and refuses
-whatever it does not know. What a log holds is in `experiments.logs.records`, lines are read in `experiments.logs.lines` and
-`experiments.logs.strict`.
+`LogWriter` writes while a run goes on; `LogReader` yields the same team, initial sets, records and frames again, and refuses
+whatever it does not know. What a log holds is in `experiments.logs.records`.
 """
 
 from __future__ import annotations
@@ -15,12 +14,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from experiments.logs.fields import Fields
 from experiments.logs.gathering import Gathering
-from experiments.logs.lines import Lines
-from experiments.logs.records import Header, InitialSet, Record, frame_records, initial_record
-from experiments.logs.strict import read_header, read_initial, read_record
+from experiments.logs.reading.bodies import bodies_of
+from experiments.logs.reading.fast import Fast
+from experiments.logs.reading.fields import Fields
+from experiments.logs.reading.heads import read_header, read_initial
+from experiments.logs.reading.strict import Strict
+from experiments.logs.records import Header, InitialSet, Record
 from experiments.logs.text import TextFile
+from experiments.logs.writing import frame_objects, header_object, initial_object, object_of
 from filter import Frame, InvalidInput
 
 
@@ -41,24 +43,29 @@ class InvalidLog(InvalidInput):
 
 
 class LogWriter:
-    """Writes a log, a frame at a time; a run that is killed leaves every whole frame.
+    """Writes a log of its header's version, a frame or a record at a time; a run that is killed leaves every whole one.
 
     Use as a context manager, or call `close`.
     """
 
     def __init__(self, path: Path, header: Header, initial: Sequence[InitialSet]) -> None:
-        self._robots = header.team.robots
+        self._header = header
         self._file = path.open("w", encoding="utf-8", newline="\n")
         try:
-            self._write([header.record(), *(initial_record(robot, known) for robot, known in enumerate(initial))])
+            known = [initial_object(header, robot, each) for robot, each in enumerate(initial)]
+            self._write([header_object(header), *known])
         except OSError:
             with suppress(OSError):  # it would try again
                 self.close()
             raise
 
     def write(self, frame: Frame) -> None:
-        """Append a frame."""
-        self._write(frame_records(frame, self._robots))
+        """Append a frame; raises `InvalidInput` if the log's version has nothing for what is in it."""
+        self._write(frame_objects(self._header, frame))
+
+    def append(self, record: Record) -> None:
+        """Append a single record, as it comes; raises `InvalidInput` if the log's version has nothing for it."""
+        self._write([object_of(self._header, record)])
 
     def close(self) -> None:
         """Close the file."""
@@ -104,24 +111,34 @@ class LogReader:
             self.header = read_header(Fields.parse(text))
             self.initial = self._initial(lines, place)
         self._head = place.line
-        self._fast = Lines(self.header.team)
+        self._fast, self._strict = Fast(self.header), Strict(self.header)
 
     def _initial(self, lines: Iterator[tuple[int, bytes]], place: _Place) -> tuple[InitialSet, ...]:
-        robots = self.header.team.robots
+        robots, _ = bodies_of(self.header)
         found: dict[int, InitialSet] = {}
-        while len(found) < robots:
+        while len(found) < robots.count:
             place.line, text = next(lines, (place.line, b""))
             if not text:
-                raise InvalidInput(f"{robots} initial sets", f"{len(found)}, then the end of the file")
-            robot, known = read_initial(Fields.parse(text), self.header.team, found)
+                raise InvalidInput(f"{robots.count} initial sets", f"{len(found)}, then the end of the file")
+            robot, known = read_initial(Fields.parse(text), robots, found)
             found[robot] = known
-        return tuple(found[robot] for robot in range(robots))
+        return tuple(found[robot] for robot in range(robots.count))
 
-    def frames(self) -> Iterator[Frame]:
-        """Yield the frames in order, reading as it goes; every call starts from the beginning.
+    def records(self) -> Iterator[Record]:
+        """Yield the records after the initial sets, in the order of their lines, reading as it goes.
 
         Raises:
-            InvalidLog: A line is not as docs/log.md says, is cut off, or belongs to a frame that never ends.
+            InvalidLog: A line is not as docs/log.md says, or is cut off.
+        """
+        for _, record in self._records():
+            yield record
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield the frames of a log that has them, in order, reading as it goes; every call starts from the beginning.
+
+        Raises:
+            InvalidLog: A line is not as docs/log.md says, is cut off, belongs to a frame that never ends, or to
+                none: a robot that joins or leaves, a twist, odometry at stamps of its own (see `records`).
         """
         gathering = Gathering(self.header)
         with self._located() as place:
@@ -134,12 +151,11 @@ class LogReader:
 
     def _records(self) -> Iterator[tuple[int, Record]]:
         """Yield each record after the initial sets, with its line's number."""
-        team = self.header.team
         with self._located() as place:
             for place.line, text in self._lines():
                 if place.line > self._head:
                     record = self._fast.read(text)
-                    yield place.line, read_record(Fields.parse(text), team) if record is None else record
+                    yield place.line, self._strict.read(Fields.parse(text)) if record is None else record
 
     def _lines(self) -> Iterator[tuple[int, bytes]]:
         """Yield each line with its number; blank ones say nothing."""

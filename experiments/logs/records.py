@@ -1,4 +1,4 @@
-"""What a log holds, as dataclasses, and how that is written. See docs/log.md; files are in `experiments.logs.log`."""
+"""What a log holds. See docs/log.md; how it is written is in `experiments.logs.writing`, read in `experiments.logs.reading`."""
 
 from __future__ import annotations
 
@@ -12,23 +12,21 @@ from filter import (
     AngularIntervals,
     AnyBelief,
     Array,
-    Bearing,
-    Compass,
     Filter,
     Frame,
+    Integers,
+    InvalidInput,
     Measurement,
     Odometry,
     Polygon,
-    Range,
     Team,
     Truth,
+    Twist,
 )
 from filter.arrays import finite, read_only
-from filter.records.record import field_names
 
 FORMAT = "corral-log"
-VERSION = 1
-ASIDE = "aside"  # a column of odometry that older logs do not have, nor those of robots that drive straight ahead
+FIRST, SECOND = 1, 2  # versions of the format
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,48 +65,82 @@ class Header:
         team: The robots, the landmarks and their limits.
         start: When the initial sets hold [s].
         rate: Frames a second [Hz], or None when they come irregularly.
+        version: Of the format, 1 or 2. Names, limits of single robots and limits of acceleration make it 2.
+
+    Raises:
+        InvalidInput: There is no such version.
     """
 
     team: Team
     start: float
-    rate: float | None
+    rate: float | None = None
+    version: int = FIRST
 
-    def record(self) -> dict[str, Any]:
-        """Return the header's record."""
-        arena = [[value if np.isfinite(value) else None for value in corner] for corner in self.team.arena.tolist()]
-        return {
-            "record": "header",
-            "format": FORMAT,
-            "version": VERSION,
-            "robots": int(self.team.robots),
-            "landmarks": self.team.landmarks.tolist(),
-            "arena": arena,
-            "speed_limit": _one_or_each(self.team.speed_limit),
-            "turn_rate_limit": _one_or_each(self.team.turn_rate_limit),
-            "start": float(self.start),
-            "rate": None if self.rate is None else float(self.rate),
-        }
+    def __post_init__(self) -> None:
+        if self.version not in (FIRST, SECOND):
+            raise InvalidInput(f"a log of version {FIRST} or {SECOND}", self.version)
+        if self.named or not _alike(self.team):
+            object.__setattr__(self, "version", SECOND)
+
+    @property
+    def named(self) -> bool:
+        """Whether robots or landmarks have names of their own."""
+        return self.team.names != numbered("r", self.team.robots) + numbered("l", len(self.team.landmarks))
 
 
-def _one_or_each(limits: Array) -> float | list[float]:
-    """Return the limit that all robots have, or else each one's."""
-    return float(limits[0]) if (limits == limits[0]).all() else limits.tolist()
+def numbered(letter: str, count: int) -> tuple[str, ...]:
+    """Return the names of what has none: r0, r1, ... for robots, l0, l1, ... for landmarks."""
+    return tuple(f"{letter}{number}" for number in range(count))
 
 
-class TruthAt(NamedTuple):
-    """Where the robots were.
+def _alike(team: Team) -> bool:
+    """Return whether all robots have the same limits of speed and turn rate, and none of acceleration."""
+    same = all((limit == limit[0]).all() for limit in (team.speed_limit, team.turn_rate_limit))
+    return same and bool(np.isinf([team.acceleration_limit, team.turn_acceleration_limit]).all())
+
+
+class Joined(NamedTuple):
+    """A robot is in a set from now on, whatever was known of it before.
 
     Attributes:
         time: When [s].
-        truth: All of them.
+        robot: Its number.
+        known: Where it is.
     """
 
     time: float
+    robot: int
+    known: InitialSet
+
+
+class Left(NamedTuple):
+    """A robot is no longer followed, until it is `Joined` again.
+
+    Attributes:
+        time: When [s].
+        robot: Its number.
+    """
+
+    time: float
+    robot: int
+
+
+class TruthAt(NamedTuple):
+    """Where robots were.
+
+    Attributes:
+        time: When [s].
+        robot: (k,) which robots.
+        truth: Of those, in their order; NaN is what nobody knows.
+    """
+
+    time: float
+    robot: Integers
     truth: Truth
 
 
 class FrameEnd(NamedTuple):
-    """The end of a frame.
+    """The end of a frame, or a time for which regions are asked.
 
     Attributes:
         time: When [s].
@@ -117,8 +149,8 @@ class FrameEnd(NamedTuple):
     time: float
 
 
-Settled = TypeVar("Settled", bound=Frame | Measurement | Odometry)
-Record = Odometry | Compass | Bearing | Range | TruthAt | FrameEnd
+Record = Odometry | Twist | Measurement | Joined | Left | TruthAt | FrameEnd
+Settled = TypeVar("Settled", bound=Frame | Measurement | Odometry | Twist)
 
 
 def settled(kind: type[Settled], **fields: Any) -> Settled:
@@ -126,46 +158,6 @@ def settled(kind: type[Settled], **fields: Any) -> Settled:
     record = object.__new__(kind)
     vars(record).update(fields)
     return record
-
-
-def initial_record(robot: int, known: InitialSet) -> dict[str, Any]:
-    """Return the record of one robot's initial set."""
-    heading = None if known.heading is None else {"centre": float(known.heading[0]), "bound": float(known.heading[1])}
-    vertices = None if known.vertices is None else known.vertices.tolist()
-    return {"record": "initial", "robot": robot, "vertices": vertices, "heading": heading}
-
-
-def frame_records(frame: Frame, robots: int) -> list[dict[str, Any]]:
-    """Return a frame's records: odometry, measurements, truth, and the one that ends it."""
-    records = []
-    if frame.odometry is not None:
-        times = {"start": frame.odometry.start, "time": frame.odometry.time}
-        records.append({"record": "odometry", **times, **_columns(frame.odometry, robots)})
-    for measurement in frame.measurements:
-        kind = type(measurement).__name__.lower()
-        records.append({"record": kind, "time": measurement.time, **_columns(measurement, robots)})
-    if frame.truth is not None:
-        positions, headings = frame.truth.positions.tolist(), frame.truth.headings.tolist()
-        records.append({"record": "truth", "time": float(frame.time), "positions": positions, "headings": headings})
-    return [*records, {"record": "frame", "time": float(frame.time)}]
-
-
-def _columns(record: Measurement | Odometry, robots: int) -> dict[str, list[Any]]:
-    columns: dict[str, list[Any]] = {}
-    for name in field_names(record):
-        column = getattr(record, name).tolist()
-        if name == ASIDE and not any(column):
-            continue
-        columns |= _targets(column, robots) if name == "target" else {name: column}
-    return columns
-
-
-def _targets(targets: list[int], robots: int) -> dict[str, list[int | None]]:
-    """Return the columns of robots and of landmarks, numbered from 0 each; a column of nothing is left out."""
-    mates = [body if body < robots else None for body in targets]
-    marks = [body - robots if body >= robots else None for body in targets]
-    columns = {"target": mates, "landmark": marks}
-    return {name: column for name, column in columns.items() if any(body is not None for body in column)} or {"target": []}
 
 
 def first_belief(filter_: Filter[AnyBelief], header: Header, initial: Sequence[InitialSet]) -> AnyBelief:

@@ -7,7 +7,7 @@ What is accepted here is accepted there, and gives the same record to the last b
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 from operator import eq
 from typing import Any
 
@@ -20,7 +20,7 @@ from experiments.logs.reading import typed
 from experiments.logs.reading.bodies import Bodies, bodies_of
 from experiments.logs.reading.pairs import without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Record, TruthAt, settled
-from filter import Bearing, Compass, InvalidInput, Odometry, Position, Range, Truth, Twist
+from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, Truth, Twist
 from filter.arrays import LARGEST, read_only
 from filter.records.record import BELOW_90_DEGREES, field_names
 
@@ -73,8 +73,10 @@ class Fast:
         return settled(Twist, time=time, **self._moved(Twist, robot, values))
 
     def _moved(self, kind: type[Odometry | Twist], robot: Any, values: Sequence[Any]) -> dict[str, NDArray[Any]]:
-        *most, aside = values
-        columns = _columns([self._listed(robot)], [*most, 0.0 if aside is UNSET else aside])
+        straight = values[-1] is UNSET
+        columns = _columns([self._listed(robot)], values[:-1] if straight else values)
+        if straight:
+            columns.append(_zeros(columns[0].size))
         if len(set(columns[0].tolist())) < columns[0].size:
             raise _Unusual
         return dict(zip(_NAMES[kind], columns, strict=True))
@@ -177,18 +179,28 @@ def _without_pairs(kind: type[Compass | Bearing | Range], value: Any, bound: lis
 
 def _columns(bodies: Sequence[Any], values: Sequence[Any]) -> list[NDArray[Any]]:
     """Return read-only columns of one length, of whole numbers and of floats; a number stands for a column of it."""
-    together = [*bodies, *values]
-    if list in map(type, together):
-        lengths = {len(each) for each in together if isinstance(each, list)}
-        if len(lengths) > 1:
-            raise _Unusual
-        (count,) = lengths
-        columns = [_column(each, count, np.int64) for each in bodies] + [_column(each, count, np.float64) for each in values]
-    else:
-        columns = [np.array((each,)) for each in together]
-    for column in columns:
-        column.setflags(write=False)
-    return columns
+    if list not in map(type, (*bodies, *values)):
+        columns = [np.array((each,)) for each in values]
+        for column in columns:
+            column.setflags(write=False)
+        return [*map(_alone, bodies), *columns]
+    lengths = {len(each) for each in (*bodies, *values) if isinstance(each, list)}
+    if len(lengths) > 1:
+        raise _Unusual
+    (count,) = lengths
+    columns = [_column(each, count, np.int64) for each in bodies] + [_column(each, count, np.float64) for each in values]
+    return [read_only(column) for column in columns]
+
+
+@lru_cache(1024)
+def _alone(body: int) -> Integers:
+    """Return a column of one body; records share it, as nobody can write to it."""
+    return read_only(np.array([body]))
+
+
+@lru_cache(1024)
+def _zeros(count: int) -> Array:
+    return read_only(np.zeros(count))
 
 
 def _column(value: Any, count: int, kind: type) -> NDArray[Any]:

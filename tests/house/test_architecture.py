@@ -216,12 +216,13 @@ def test_models_know_nobody(path):
 
 
 @pytest.mark.parametrize("path", everyone())
-def test_solvers_physics_and_recording_are_in_their_places(path):
+def test_solvers_physics_recording_and_decoding_are_in_their_places(path):
     names = {top(name) for name in imports(path)}
     name = name_of(path)
     assert name == "filter.linear.solvers" or not names & {"piqp", "qpsolvers", "highspy"}
     assert folder(path) == "sim" or "mujoco" not in names
     assert name in ("experiments.show.recording", "experiments.show.blueprint") or "rerun" not in names
+    assert name in ("experiments.logs.reading.fast", "experiments.logs.reading.typed") or "msgspec" not in names
 
 
 @pytest.mark.parametrize("path", [*everyone(), *(pytest.param(path, id=path.name) for path in TESTS)])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from experiments.logs import Header, InitialSet, InvalidLog, LogReader, LogWriter
+from experiments.logs.reading.fast import Fast
 from filter import Bearing, Compass, Frame, InvalidInput, Odometry, Range, Team, Truth
 from filter.records.record import field_names
 
@@ -86,13 +87,23 @@ def test_a_log_gives_back_the_same_frames_bit_for_bit(tmp_path):
             assert same_bits(frame.truth.headings, copy.truth.headings)
 
 
+def test_frames_are_the_same_without_the_fast_reader(log, monkeypatch):
+    frames = list(LogReader(log).frames())
+    monkeypatch.setattr(Fast, "read", lambda *_: None)
+    for frame, copy in zip(frames, LogReader(log).frames(), strict=True):
+        assert frame.time == copy.time
+        assert all(map(same_records, frame.measurements, copy.measurements))
+        assert frame.odometry is copy.odometry is None or same_records(frame.odometry, copy.odometry)
+        assert frame.truth is copy.truth is None or same_bits(frame.truth.positions, copy.truth.positions)
+
+
 def test_a_log_gives_back_the_same_team_and_initial_sets_bit_for_bit(tmp_path):
     initial = initial_sets(np.random.default_rng(3))
     reader = LogReader(
         write(tmp_path / "log.jsonl", frames_of(np.random.default_rng(1)), initial=initial, start=-0.1, rate=None)
     )
     team = reader.header.team
-    assert (team.robots, team.speed_limit, team.turn_rate_limit) == (3, 0.7, 1.5)
+    assert (team.robots, team.speed_limit.tolist(), team.turn_rate_limit.tolist()) == (3, [0.7] * 3, [1.5] * 3)
     assert same_bits(team.landmarks, TEAM.landmarks)
     assert same_bits(team.arena, TEAM.arena)
     assert (reader.header.start, reader.header.rate) == (-0.1, None)
@@ -198,7 +209,7 @@ FAULTS = {
     "a point in space": ("truth", lambda r: r["positions"][0].append(0.0), "points"),
     "positions that are no list": ("truth", lambda r: r.update(positions="here"), "points"),
     "header: another format": ("header", lambda r: r.update(format="bag"), "corral-log"),
-    "header: a version to come": ("header", lambda r: r.update(version=2), "version 2"),
+    "header: a version to come": ("header", lambda r: r.update(version=3), "version 3"),
     "header: no version": ("header", lambda r: r.pop("version"), '"version"'),
     "header: no robots": ("header", lambda r: r.update(robots=0), "number of robots"),
     "header: half a robot": ("header", lambda r: r.update(robots=2.5), "whole number"),
@@ -312,4 +323,20 @@ def test_the_example_in_the_documentation_writes_a_log(tmp_path, monkeypatch):
     assert [len(frame.measurements) for frame in frames] == [0, 3]
     (sample,) = re.findall(r"```json\n(.*?)```", text, re.DOTALL)
     (tmp_path / "sample.jsonl").write_text(sample)
-    assert len(list(LogReader(tmp_path / "sample.jsonl").frames())) == 2
+    records = list(LogReader(tmp_path / "sample.jsonl").records())
+    assert len(records) == len(sample.splitlines()) - 3
+    assert records[4].bound == pytest.approx(0.3)
+    assert [each.__class__.__name__ for each in records[-3:]] == ["FrameEnd", "Left", "Joined"]
+
+
+def test_what_was_a_log_of_version_1_is_one_for_ever():
+    reader = LogReader(Path(__file__).with_name("version_1.jsonl"))
+    first, second = reader.frames()
+    assert (first.time, first.measurements, first.odometry, first.truth) == (0.0, (), None, None)
+    assert second.odometry.distance.tolist() == [0.03, 0.0]
+    compass, bearing, distance = second.measurements
+    assert (compass.robot.tolist(), compass.heading.tolist(), compass.bound.tolist()) == ([1], [-2.9], [0.05])
+    assert (bearing.target.tolist(), bearing.bearing.tolist(), bearing.bound.tolist()) == ([1, 2], [-0.3, 0.15], [0.05, 0.05])
+    assert (distance.target.tolist(), distance.range.tolist(), distance.relative_bound.tolist()) == ([1], [3.7], [0.05])
+    assert second.truth.headings.tolist() == [0.42, -2.88]
+    assert reader.initial[0].heading == (0.4, 0.1)

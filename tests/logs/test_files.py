@@ -13,6 +13,7 @@ import pytest
 
 from experiments.logs import Header, InitialSet, LogReader, LogWriter, first_belief, read_trajectory
 from experiments.logs.log import InvalidLog
+from experiments.logs.writing import header_object
 from experiments.proof.log import Log
 from experiments.real_robots.data import read_tables
 from filter import Compass, ExtendedKalmanFilter, Frame, InvalidInput, Range, RobustFilter, SetMembershipFilter, Team
@@ -49,7 +50,7 @@ SPELLINGS = {
 
 def told(reader):
     frames = [(each.time, *(record.robot.tolist() for record in each.measurements)) for each in reader.frames()]
-    return reader.header.record(), reader.initial[0].vertices, frames
+    return header_object(reader.header), reader.initial[0].vertices, frames
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)

@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from experiments.logs.reading.bodies import Bodies
 from filter import Array, Integers, InvalidInput
 from filter.arrays import finite
 
@@ -64,6 +65,14 @@ class Fields:
         """Return whether there is such a field."""
         return name in self._fields
 
+    def is_a(self, kind: type, name: str) -> bool:
+        """Return whether there is such a field, and of that type."""
+        return isinstance(self._fields.get(name), kind)
+
+    def lengths(self, besides: str = "") -> dict[str, int]:
+        """Return how long the fields are that are lists."""
+        return {name: len(value) for name, value in self._fields.items() if isinstance(value, list) and name != besides}
+
     def text(self, name: str) -> str:
         """Take a string."""
         value = self._take(name)
@@ -85,11 +94,53 @@ class Fields:
         value = self._take(name)
         return None if value is None else self._numbers(name, value, 0).item()
 
+    def number_or(self, name: str, missing: float) -> float:
+        """Take a number, or null, for which another one stands."""
+        number = self.number_or_none(name)
+        return missing if number is None else number
+
+    def numbers_or(self, name: str, missing: float) -> Array:
+        """Take a (k,) list of numbers; another one stands for null."""
+        value = self._take(name)
+        if not isinstance(value, list):
+            raise InvalidInput(f"{name}: a list of numbers", shortened(value))
+        return np.array([self._coordinate(name, number, missing) for number in value], dtype=float)
+
+    def bounds(self, name: str) -> list[float | tuple[float, float]]:
+        """Take a list of numbers and of pairs of numbers, or one of them."""
+        value = self._take(name)
+        return [self._bound(name, bound) for bound in (value if isinstance(value, list) else [value])]
+
+    def pair(self, name: str, expected: str = "[x, y]") -> tuple[float, float]:
+        """Take two numbers."""
+        return self._pair(name, self._take(name), expected)
+
     def points_or_none(self, name: str) -> Array | None:
         """Take a (k, 2) list of points, or null."""
         if self._fields.get(name, ()) is None:
             return self._take(name)
         return self.points(name)
+
+    def places(self, name: str) -> Array:
+        """Take a (k, 2) list of points; NaN for null."""
+        value = self._take(name)
+        if not isinstance(value, list):
+            raise InvalidInput(f"{name}: a list of [x, y] points or null", shortened(value))
+        return np.array([self._place(name, point) for point in value], dtype=float).reshape(-1, 2)
+
+    def place(self, name: str) -> Array:
+        """Take a (1, 2) point; NaN for null."""
+        return np.array([self._place(name, self._take(name))])
+
+    def points_by_name(self, name: str) -> dict[str, tuple[float, float]]:
+        """Take an object of points."""
+        return {key: self._pair(f"{name}: {key}", point, "[x, y]") for key, point in self._object(name).items()}
+
+    def numbers_by_name(self, name: str, missing: float | None = None) -> float | dict[str, float]:
+        """Take an object of numbers, or one number; another one stands for null, if it may be there."""
+        if not self.is_a(dict, name):
+            return self._coordinate(name, self._take(name), missing)
+        return {key: self._coordinate(f"{name}: {key}", number, missing) for key, number in self._object(name).items()}
 
     def points(self, name: str, unknown: float | None = None) -> Array:
         """Take a (k, 2) list of points; with `unknown`, null stands for that coordinate."""
@@ -107,31 +158,41 @@ class Fields:
             raise InvalidInput(f"{name}: a whole number", shortened(value))
         return value
 
-    def bodies(self, name: str, count: int) -> list[int | None]:
-        """Take a list of numbers of bodies below `count`, or one number; null where the list says nothing."""
+    def names(self, name: str) -> list[str]:
+        """Take a list of strings."""
         value = self._take(name)
-        bodies = value if isinstance(value, list) else [value]
-        expected = f"whole numbers from 0 to {count - 1}" if count else "nothing, as there is none"
-        for body in bodies:
-            if body is not None and (type(body) is not int or not 0 <= body < count):
-                raise InvalidInput(f"{name}: {expected}", shortened(body))
-        return bodies
+        wrong = [each for each in value if not isinstance(each, str)]
+        if wrong:
+            raise InvalidInput(f"{name}: names", shortened(wrong[0]))
+        return value
 
-    def robots(self, count: int) -> Integers:
+    def bodies(self, name: str, known: Bodies) -> list[int | None]:
+        """Take a list of bodies, or one; null where the list says nothing."""
+        value = self._take(name)
+        return [None if body is None else known.number(name, body) for body in (value if isinstance(value, list) else [value])]
+
+    def robots(self, known: Bodies) -> Integers:
         """Take the column `robot`."""
-        robots = self.bodies("robot", count)
+        robots = self.bodies("robot", known)
         if None in robots:
-            raise InvalidInput(f"robot: whole numbers from 0 to {count - 1}", "null")
+            raise InvalidInput(f"robot: {known.expected}", "null")
         return np.array(robots, dtype=np.int64)
+
+    def robot(self, known: Bodies) -> int:
+        """Take one robot."""
+        return known.number("robot", self._take("robot"))
 
     def object(self, name: str) -> Fields | None:
         """Take an object, or null."""
+        if self._fields.get(name, ()) is None:
+            return self._take(name)
+        return Fields(name, self._object(name))
+
+    def _object(self, name: str) -> dict[str, Any]:
         value = self._take(name)
-        if value is None:
-            return None
         if not isinstance(value, dict):
             raise InvalidInput(f"{name}: an object or null", shortened(value))
-        return Fields(name, value)
+        return value
 
     def _take(self, name: str) -> Any:
         if name not in self._fields:
@@ -140,6 +201,20 @@ class Fields:
 
     def _coordinate(self, name: str, value: Any, unknown: float | None) -> float:
         return unknown if value is None and unknown is not None else self._numbers(name, value, 0).item()
+
+    def _pair(self, name: str, value: Any, expected: str) -> tuple[float, float]:
+        if not isinstance(value, list) or len(value) != 2:
+            raise InvalidInput(f"{name}: {expected}", shortened(value))
+        first, second = self._numbers(name, value, 1).tolist()
+        return first, second
+
+    def _place(self, name: str, point: Any) -> tuple[float, float]:
+        return (np.nan, np.nan) if point is None else self._pair(name, point, "[x, y] or null")
+
+    def _bound(self, name: str, value: Any) -> float | tuple[float, float]:
+        if isinstance(value, list):
+            return self._pair(name, value, "numbers or pairs [low, high]")
+        return self._numbers(name, [value], 1).item()
 
     def _numbers(self, name: str, value: Any, depth: int) -> Array:
         numbers = value if depth else [value]

@@ -34,13 +34,13 @@ from filter.sets.belief import Belief, Event, Rejected
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
-from filter.stream import frames_of
+from filter.stream import Arrival, frames_of
 from filter.team import Team
 from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
 __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Team", "Truth", "Twist"]
-__all__ += ["Motions", "frames_of"]
+__all__ += ["Arrival", "Motions", "frames_of"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "follow", "warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]

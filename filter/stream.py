@@ -65,12 +65,12 @@ class _Stream:
     def _take(self, record: Arrival) -> None:
         """Take a record in, or the records of a frame."""
         instance("a record, as it comes", record, *ARRIVALS)
-        if isinstance(record, Odometry | Twist):
-            if record.time > self._done or isinstance(record, Twist):
-                self._motions = self._motions.merged(record)
-            return
-        if record.time < self._done or (record.time == self._done and not self._first):
+        is_late = record.time < self._done or (record.time == self._done and not self._first)
+        if is_late and not isinstance(record, Twist):
             raise OutOfOrder(type(record).__name__.lower(), record.time, self._done)
+        if isinstance(record, Odometry | Twist):
+            self._motions = self._motions.merged(record)
+            return
         asked = self._waiting.setdefault(record.time, _Asked())
         if not isinstance(record, Frame):
             self._team.check(record)
@@ -79,7 +79,8 @@ class _Stream:
         if record.odometry is not None:
             self._motions = self._motions.merged(record.odometry)
         asked.measurements += record.measurements
-        asked.truth = record.truth or asked.truth
+        if record.truth is not None:
+            asked.truth = record.truth if asked.truth is None else _both(asked.truth, record.truth)
 
     def _ended(self, old: float) -> Iterator[Frame]:
         """Yield the frames that are older than what may be late."""
@@ -88,3 +89,9 @@ class _Stream:
             self._done, self._first = time, False
             self._motions = self._motions.since(time)
             yield Frame(time, odometry, asked.measurements, asked.truth)
+
+
+def _both(known: Truth, more: Truth) -> Truth:
+    """Return the truth that two tell of; the second counts where both do."""
+    places = np.where(np.isnan(more.positions), known.positions, more.positions)
+    return Truth(places, np.where(np.isnan(more.headings), known.headings, more.headings))

@@ -1,14 +1,25 @@
-"""From records to frames: everything since the previous frame is one instant. See docs/log.md."""
+"""From records to frames. See docs/log.md.
+
+As long as records come in lock-step, everything since the previous frame is one instant. From the first record on that does
+not, as its stamp is its own, `filter.frames_of` cuts and joins what comes.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
 from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Left, Record, TruthAt, settled
-from filter import Frame, InvalidInput, Measurement, Odometry, Truth, Twist
+from filter import Arrival, Frame, InvalidInput, Measurement, Odometry, Truth, Twist
 from filter.records.record import field_names
+
+FOLLOWED = "robots that are there all the time: only such are followed as yet (LogReader.records yields the others, too)"
+
+
+class OwnStamp(Exception):
+    """A record does not belong to the frame that is being gathered, but has a stamp of its own."""
 
 
 class Gathering:
@@ -31,8 +42,11 @@ class Gathering:
         """Take a record in; return the frame that it ends, or None.
 
         Raises:
+            OwnStamp: It is not in lock-step with the frames; nothing has been taken in.
             InvalidInput: The record does not fit what came before.
         """
+        if not self._is_in_step(record):
+            raise OwnStamp
         if isinstance(record, Odometry):
             self._add_odometry(record)
             return None
@@ -41,28 +55,50 @@ class Gathering:
             return self._close(record.time)
         if isinstance(record, TruthAt):
             self._add_truth(record)
-        elif isinstance(record, Twist | Joined | Left):
-            raise InvalidInput("odometry, measurements or truth of a frame (see LogReader.records)", type(record).__name__)
+        elif isinstance(record, Joined | Left):
+            raise InvalidInput(FOLLOWED, type(record).__name__)
         else:
-            self._measurements.append(record)
+            self._measurements.append(cast(Measurement, record))
         return None
 
-    def end(self) -> None:
-        """Raise `InvalidInput` when records wait for a frame, or no frame came at all."""
-        without = "" if self._header.version == FIRST else " (LogReader.records reads logs without frames)"
+    def _is_in_step(self, record: Record) -> bool:
+        """Return whether a record can be of the frame that is being gathered; in version 1 only odometry may be of no frame."""
+        if isinstance(record, Twist):
+            return False
+        same = self._time is None or record.time == self._time
+        if isinstance(record, Odometry):
+            return same and record.start == self.since
+        return same or self._header.version == FIRST
+
+    @property
+    def since(self) -> float:
+        """When the last frame was, or the initial sets [s]."""
+        return self._header.start if self._previous is None else self._previous
+
+    def waiting(self) -> list[Arrival]:
+        """Return what has been taken in since the last frame."""
+        robots = self._header.team.robots
+        return [*self._odometry, *self._measurements, *(arrival_of(truth, robots) for truth in self._truths)]
+
+    def end(self) -> Frame | None:
+        """Return a frame of what waits for one, if the log's version does without.
+
+        Raises:
+            InvalidInput: Records wait for a frame in vain, or no frame came at all.
+        """
         if self._time is not None:
-            expected = f"a frame record for the records at {self._time!r} s{without}"
+            if self._header.version != FIRST and self._previous is None:
+                return self._close(self._time)
+            expected = f"a frame record for the records at {self._time!r} s"
             raise InvalidInput(expected, "the end of the file: the log is cut off")
         if self._previous is None:
-            raise InvalidInput(f"at least one frame{without}", "the end of the file")
+            raise InvalidInput("at least one frame", "the end of the file")
+        return None
 
     def _add_odometry(self, odometry: Odometry) -> None:
         self._at(odometry.time)
         if self._previous is None and odometry.time == self._header.start:
             raise InvalidInput(f"no odometry at the start, {self._header.start!r} s", "odometry")
-        since = self._header.start if self._previous is None else self._previous
-        if odometry.start != since:
-            raise InvalidInput(f"odometry since the last frame, {since!r} s", f"since {odometry.start!r} s")
         robots = set(odometry.robot.tolist())
         if twice := self._moved & robots:
             raise InvalidInput("odometry of each robot at most once a frame", f"robot {min(twice)} again")
@@ -93,6 +129,18 @@ class Gathering:
         self._clear()
         self._previous = time
         return frame
+
+
+def arrival_of(record: Record, robots: int) -> Arrival:
+    """Return a record, of a team of so many robots, as `frames_of` takes it; raises `InvalidInput` if it does not take such."""
+    match record:
+        case FrameEnd():
+            return Frame(record.time)
+        case TruthAt():
+            return Frame(record.time, truth=_seen_together([record], robots))
+        case Joined() | Left():
+            raise InvalidInput(FOLLOWED, type(record).__name__)
+    return record
 
 
 def _joined(parts: Sequence[Odometry]) -> Odometry | None:

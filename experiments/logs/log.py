@@ -7,14 +7,15 @@ whatever it does not know. What a log holds is in `experiments.logs.records`.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from experiments.logs.gathering import Gathering
+from experiments.logs.gathering import Gathering, OwnStamp, arrival_of
 from experiments.logs.reading.bodies import bodies_of
 from experiments.logs.reading.fast import Fast
 from experiments.logs.reading.fields import Fields
@@ -23,7 +24,7 @@ from experiments.logs.reading.strict import Strict
 from experiments.logs.records import Header, InitialSet, Record
 from experiments.logs.text import TextFile
 from experiments.logs.writing import frame_objects, header_object, initial_object, object_of
-from filter import Frame, InvalidInput
+from filter import Arrival, Frame, InvalidInput, OutOfOrder, frames_of
 
 
 class InvalidLog(InvalidInput):
@@ -134,20 +135,43 @@ class LogReader:
             yield record
 
     def frames(self) -> Iterator[Frame]:
-        """Yield the frames of a log that has them, in order, reading as it goes; every call starts from the beginning.
+        """Yield the frames in order, reading as it goes; every call starts from the beginning.
+
+        They are those of the log as long as all comes in lock-step; from the first record on that does not, those that
+        `frames_of` makes of what comes: it may come late by a second.
 
         Raises:
-            InvalidLog: A line is not as docs/log.md says, is cut off, belongs to a frame that never ends, or to
-                none: a robot that joins or leaves, a twist, odometry at stamps of its own (see `records`).
+            InvalidLog: A line is not as docs/log.md says, is cut off, comes too late, belongs to a frame that never ends, or
+                tells of a robot that joins or leaves (see `records`).
         """
         gathering = Gathering(self.header)
         with self._located() as place:
             place.line = self._head
-            for place.line, record in self._records():
-                frame = gathering.add(record)
+            records = self._records()
+            for place.line, record in records:
+                try:
+                    frame = gathering.add(record)
+                except OwnStamp:
+                    yield from self._of_stream(gathering, chain([(place.line, record)], records), place)
+                    return
                 if frame is not None:
                     yield frame
-            gathering.end()
+            last = gathering.end()
+            if last is not None:
+                yield last
+
+    def _of_stream(self, gathering: Gathering, records: Iterable[tuple[int, Record]], place: _Place) -> Iterator[Frame]:
+        """Yield the frames of what waits, and of further records."""
+        team = self.header.team
+
+        def arrivals() -> Iterator[Arrival]:
+            for place.line, record in records:
+                yield arrival_of(record, team.robots)
+
+        try:
+            yield from frames_of(team, gathering.since, chain(gathering.waiting(), arrivals()))
+        except OutOfOrder as error:
+            raise InvalidInput(f"a time from {error.belief_time!r} s on", f"{error.time!r} s, which is too late") from None
 
     def _records(self) -> Iterator[tuple[int, Record]]:
         """Yield each record after the initial sets, with its line's number."""

@@ -201,7 +201,6 @@ FAULTS = {
     "infinity": ("odometry", lambda r: r["distance"].__setitem__(0, float("inf")), "Infinity"),
     "a negative bound": ("odometry", lambda r: r["distance_bound"].__setitem__(0, -0.1), "distance bound"),
     "a robot that moves twice": ("odometry", lambda r: r["robot"].__setitem__(0, 1), "once"),
-    "odometry from another time on": ("odometry", lambda r: r.update(start=0.05), "since the last frame"),
     "odometry that ends before it starts": ("odometry", lambda r: r.update(time=-1.0), "ends at its start"),
     "a measurement of another time": ("bearing", lambda r: r.update(time=0.05), "0.1 s; came 0.05 s"),
     "a truth of too few robots": ("truth", lambda r: r["positions"].pop(), "truth of 3 robots"),
@@ -239,14 +238,25 @@ def test_a_second_initial_set_of_a_robot_is_refused(log):
     refused(log, line, "robot 0 again")
 
 
-@pytest.mark.parametrize("time", [0.1, 0.05])
-def test_time_that_does_not_advance_is_refused(log, time):
+@pytest.mark.parametrize(
+    ("time", "said"), [(0.1, "after the last frame"), (0.05, "a time from 0.1 s on; came 0.05 s, which is too late")]
+)
+def test_time_that_does_not_advance_is_refused(log, time, said):
     line = changed(
         log,
         lines_of(log, "odometry")[1],
         lambda record: record.update(start=0.1, time=time) if time == 0.1 else record.update(start=0.0, time=time),
     )
-    refused(log, line, "after the last frame")
+    refused(log, line, said)
+
+
+def test_odometry_may_begin_at_a_stamp_of_its_own(log):
+    """What is not known before that, the limits tell."""
+    before = list(LogReader(log).frames())
+    changed(log, lines_of(log, "odometry")[1], lambda record: record.update(start=0.15))
+    after = list(LogReader(log).frames())
+    assert [frame.time for frame in after] == [frame.time for frame in before]
+    assert (after[2].odometry.slip_bound > before[2].odometry.slip_bound[after[2].odometry.robot]).all()
 
 
 def test_a_frame_before_the_start_is_refused(log):

@@ -57,7 +57,7 @@ def run(options: Options) -> int:
 
 def _print(path: Path, converted: Converted) -> None:
     counts = {f"{kind} records": count for kind, count in sorted(converted.records.items())}
-    print_table(f"convert, to {path}", {"start_s": converted.start, "end_s": converted.end, **counts})
+    print_table("convert", {"log": str(path), "start_s": converted.start, "end_s": converted.end, **counts})
 
 
 if __name__ == "__main__":

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from experiments.minute.measured import START
-from experiments.minute.said import Bounds, Distance, Minute, North, Pose, Said, Seen
-from experiments.own_data.driven import Pose as Place
-from experiments.own_data.driven import increment
+from experiments.minute.said import Distance, Minute, North, PoseSaid, Promised, Said, Seen
+from experiments.own_data.driven import Pose, increment
+from experiments.own_data.units import SECOND
 from experiments.show.output import write_whole
 
 ORDER = ("odometry", "compass", "uwb", "detections", "truth")  # at one stamp of one robot
-SECOND = 10**9
 
 
 def write_log(path: Path, minute: Minute) -> None:
@@ -53,16 +52,16 @@ def _initial(minute: Minute) -> Iterator[dict[str, Any]]:
 
 
 def _records(said: Sequence[Said], minute: Minute) -> Iterator[dict[str, Any]]:
-    before: dict[str, tuple[int, Place]] = {}
+    before: dict[str, tuple[int, Pose]] = {}
     for each in said:
         head = {"time": each.stamp / SECOND, "robot": each.robot}
         match each.value:
-            case Pose() as pose if each.stream == "odometry":
-                place = Place(pose.x, pose.y, pose.turned.heading)
+            case PoseSaid() as pose if each.stream == "odometry":
+                place = Pose(pose.x, pose.y, pose.turned.heading)
                 if each.robot in before:
                     yield _odometry(each, before[each.robot], place, minute.bounds)
                 before[each.robot] = each.stamp, place
-            case Pose() as pose:
+            case PoseSaid() as pose:
                 yield {"record": "truth", **head, "position": [pose.x, pose.y], "heading": pose.turned.heading}
             case North(turned):
                 yield {"record": "compass", **head, "heading": turned.heading, "bound": minute.bounds.compass}
@@ -75,7 +74,7 @@ def _records(said: Sequence[Said], minute: Minute) -> Iterator[dict[str, Any]]:
                     yield _range(head, name, distance, minute.bounds.detection, minute)
 
 
-def _odometry(said: Said, before: tuple[int, Place], place: Place, bounds: Bounds) -> dict[str, Any]:
+def _odometry(said: Said, before: tuple[int, Pose], place: Pose, bounds: Promised) -> dict[str, Any]:
     start, first = before
     moved = increment(first, place)
     return {

@@ -8,13 +8,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from experiments.minute.drive import Drive, drive
-from experiments.minute.said import Bounds, Distance, Minute, North, Pose, Said, Seen, Turned
+from experiments.minute.said import Distance, Minute, North, PoseSaid, Promised, Said, Seen, Yaw
+from experiments.own_data.units import SECOND
 from filter import wrap
 from sim.drive import SPEED_LIMIT
 from sim.sensors import Sensors
 from sim.visibility import visible
 
-SECOND, MINUTE = 10**9, 60
+MINUTE = 60  # [s]
 START = 100  # what the clock shows when the robots set off [s]
 ROBOTS = ("alice", "bob")
 GATE = "gate"  # the landmark that cameras see
@@ -36,7 +37,7 @@ HEADING_SHARE, START_SHARE = 0.9, 0.9  # of the bound at the start, as what is d
 class Sensing:
     """The sensors of one robot on a drive."""
 
-    def __init__(self, robot: int, driven: Drive, bounds: Bounds, generator: np.random.Generator) -> None:
+    def __init__(self, robot: int, driven: Drive, bounds: Promised, generator: np.random.Generator) -> None:
         """Prepare the sensors of one of the robots; all errors are drawn from the generator."""
         self._robot, self._name, self._drive, self._bounds = robot, ROBOTS[robot], driven, bounds
         self._generator = generator
@@ -46,7 +47,7 @@ class Sensing:
         yield from self._odometry()
         for stamp in self._stamps("compass"):
             heading = float(self._drive.at(stamp)[1][self._robot])
-            yield self._message(stamp, "compass", North(Turned.of(heading + self._error(self._bounds.compass))))
+            yield self._message(stamp, "compass", North(Yaw.of(heading + self._error(self._bounds.compass))))
             yield self._message(stamp, "truth", self._truth(stamp))
         for stamp in self._stamps("detections"):
             yield self._message(stamp, "detections", self._seen(stamp))
@@ -60,7 +61,7 @@ class Sensing:
         for k in range(MINUTE * rate):
             yield PHASES[stream][self._robot] + after + k * SECOND // rate
 
-    def _message(self, time: int, stream: str, value: Pose | North | Seen | Distance) -> Said:
+    def _message(self, time: int, stream: str, value: PoseSaid | North | Seen | Distance) -> Said:
         stamp = START * SECOND + time
         return Said(stamp, stamp + int(self._generator.integers(*LATENCY)), self._name, stream, value)
 
@@ -69,14 +70,14 @@ class Sensing:
 
     def _odometry(self) -> Iterator[Said]:
         """Yield poses that add up what the wheels say of each interval, errors and all; they drift as odometry does."""
-        x, y, turned, before = 0.0, 0.0, Turned.of(0.0), None
+        x, y, turned, before = 0.0, 0.0, Yaw.of(0.0), None
         for stamp in self._stamps("odometry"):
             moved = (0.0, 0.0) if before is None else self._increment(before, stamp)
             seconds = 1.0 if before is None else (stamp - before) / SECOND
             way = turned.heading + moved[1] / 2
             x, y = x + moved[0] * math.cos(way), y + moved[0] * math.sin(way)
-            turned, before = Turned.of(turned.heading + moved[1]), stamp
-            yield self._message(stamp, "odometry", Pose(x, y, turned, moved[0] / seconds, moved[1] / seconds))
+            turned, before = Yaw.of(turned.heading + moved[1]), stamp
+            yield self._message(stamp, "odometry", PoseSaid(x, y, turned, moved[0] / seconds, moved[1] / seconds))
 
     def _increment(self, before: int, stamp: int) -> tuple[float, float]:
         """Return the distance [m] and the turn [rad] of an interval, as measured."""
@@ -86,10 +87,10 @@ class Sensing:
         distance = math.copysign(math.hypot(x, y), x * math.cos(way) + y * math.sin(way))
         return distance + self._error(self._bounds.distance), float(turn) + self._error(self._bounds.turn)
 
-    def _truth(self, stamp: int) -> Pose:
+    def _truth(self, stamp: int) -> PoseSaid:
         places, headings = self._drive.at(stamp)
         x, y = places[self._robot].tolist()
-        return Pose(x, y, Turned.of(float(headings[self._robot])))
+        return PoseSaid(x, y, Yaw.of(float(headings[self._robot])))
 
     def _seen(self, stamp: int) -> Seen:
         places, headings = self._drive.at(stamp)
@@ -115,7 +116,7 @@ class Sensing:
 def minute(generator: np.random.Generator) -> Minute:
     """Return a minute of two robots; the same generator gives the same bytes."""
     driving, starting, *sensing = generator.spawn(2 + len(ROBOTS))
-    driven, bounds = drive(len(ROBOTS), MINUTE + 1, driving), Bounds()
+    driven, bounds = drive(len(ROBOTS), MINUTE + 1, driving), Promised()
     said = [each for robot in range(len(ROBOTS)) for each in Sensing(robot, driven, bounds, sensing[robot]).said()]
     starts = {}
     for name, place, heading in zip(ROBOTS, *driven.at(0), strict=True):

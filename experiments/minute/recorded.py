@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from experiments.minute.said import Distance, Minute, North, Pose, Said, Seen, Turned
+from experiments.minute.said import Distance, Minute, North, PoseSaid, Said, Seen, Yaw
+from experiments.own_data.units import SECOND
 from filter import InvalidInput
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ TYPES = {
 TOPICS = {"odometry": "odom", "compass": "imu", "detections": "detections", "uwb": "uwb", "truth": "truth"}
 VERSION: Final = 8  # of rosbag2's metadata, which Iron and all later ones read
 NOT_MEASURED = -1.0  # at the head of an Imu's covariance
-GREATEST_RANGE, SECOND = 30.0, 10**9  # [m], [ns]
+GREATEST_RANGE = 30.0  # [m]
 
 
 def write_bag(path: Path, minute: Minute) -> None:
@@ -111,7 +112,7 @@ class _Messages:
 
     def _fields(self, said: Said) -> dict[str, Any]:
         match said.value:
-            case Pose() as pose:
+            case PoseSaid() as pose:
                 return self._odometry(said.robot, pose) if said.stream == "odometry" else {"pose": self._pose(pose)}
             case North(turned):
                 return self._imu(turned)
@@ -128,17 +129,17 @@ class _Messages:
         time = self._new("builtin_interfaces/msg/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)
         return self._new("std_msgs/msg/Header", stamp=time, frame_id=frame, **self._sequence)
 
-    def _quaternion(self, turned: Turned) -> Any:
+    def _quaternion(self, turned: Yaw) -> Any:
         return self._new("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=turned.z, w=turned.w)
 
     def _vector(self, x: float = 0.0, z: float = 0.0) -> Any:
         return self._new("geometry_msgs/msg/Vector3", x=x, y=0.0, z=z)
 
-    def _pose(self, pose: Pose) -> Any:
+    def _pose(self, pose: PoseSaid) -> Any:
         place = self._new("geometry_msgs/msg/Point", x=pose.x, y=pose.y, z=0.0)
         return self._new("geometry_msgs/msg/Pose", position=place, orientation=self._quaternion(pose.turned))
 
-    def _odometry(self, robot: str, pose: Pose) -> dict[str, Any]:
+    def _odometry(self, robot: str, pose: PoseSaid) -> dict[str, Any]:
         twist = self._new("geometry_msgs/msg/Twist", linear=self._vector(x=pose.speed), angular=self._vector(z=pose.turn_rate))
         return {
             "child_frame_id": f"{robot}/base_link",
@@ -146,7 +147,7 @@ class _Messages:
             "twist": self._new("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
         }
 
-    def _imu(self, turned: Turned) -> dict[str, Any]:
+    def _imu(self, turned: Yaw) -> dict[str, Any]:
         nothing = np.array([NOT_MEASURED, *np.zeros(8)])
         return {
             "orientation": self._quaternion(turned),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from experiments.own_data.units import yaw
 
 
-class Turned(NamedTuple):
+class Yaw(NamedTuple):
     """A heading as messages hold it: a quaternion about the vertical.
 
     Attributes:
@@ -22,7 +22,7 @@ class Turned(NamedTuple):
     w: float
 
     @classmethod
-    def of(cls, heading: float) -> Turned:
+    def of(cls, heading: float) -> Yaw:
         """Return a heading [rad], rounded to what a quaternion holds."""
         return cls(math.sin(heading / 2), math.cos(heading / 2))
 
@@ -34,12 +34,12 @@ class Turned(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Pose:
+class PoseSaid:
     """Of odometry, or the truth: place [m], heading, and speeds [m/s, rad/s], 0 for the truth."""
 
     x: float
     y: float
-    turned: Turned
+    turned: Yaw
     speed: float = 0.0
     turn_rate: float = 0.0
 
@@ -48,7 +48,7 @@ class Pose:
 class North:
     """Of a compass."""
 
-    turned: Turned
+    turned: Yaw
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ class Said:
     received: int
     robot: str
     stream: str
-    value: Pose | North | Seen | Distance
+    value: PoseSaid | North | Seen | Distance
 
 
 @dataclass(frozen=True)
-class Bounds:
+class Promised:
     """The bounds that the sensors keep.
 
     Attributes:
@@ -134,7 +134,7 @@ class Minute:
     speed_limit: float
     turn_rate_limit: float
     starts: Mapping[str, tuple[list[float], float]]
-    bounds: Bounds
+    bounds: Promised
 
     def box(self, robot: str) -> list[list[float]]:
         """Return lower and upper corner of the box that a robot starts in [m]."""

@@ -39,14 +39,14 @@ range = {{ {uwb}, bound = [{bounds.uwb[0]}, {bounds.uwb[1]}] }}  # UWB reads lon
 truth = {{ {truth} }}
 """
 PATHS = 'id = "detections[*].id", range = "detections[*].range", bearing = "detections[*].bearing"'
-TOPICS = {
+OF_TOPICS = {
     "odometry": 'topic = "/{robot}/odom"',
     "compass": 'topic = "/{robot}/imu"',
     "detections": f'topic = "/{{robot}}/detections", {PATHS}',
     "uwb": 'topic = "/{robot}/uwb/{target}"',
     "truth": 'topic = "/{robot}/truth"',
 }
-FILES = {
+OF_FILES = {
     "odometry": 'file = "{robot}_odometry.csv"',
     "compass": 'file = "{robot}_compass.csv"',
     "detections": 'file = "{robot}_detections.csv"',
@@ -81,7 +81,7 @@ def settings_text(form: str, minute: Minute) -> str:
     text += OF_TABLES if form == "csv" else OF_BAGS
     for robot, (_, heading) in minute.starts.items():
         text += ROBOT.format(robot=robot, box=minute.box(robot), heading=heading, heading_bound=minute.bounds.start_heading)
-    return text + STREAMS.format(**(FILES if form == "csv" else TOPICS), motion=_motion(minute), bounds=minute.bounds)
+    return text + STREAMS.format(**(OF_FILES if form == "csv" else OF_TOPICS), motion=_motion(minute), bounds=minute.bounds)
 
 
 def _motion(minute: Minute) -> str:

@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator
 from pathlib import Path
 
-from experiments.minute.said import Distance, Minute, North, Pose, Said, Seen
+from experiments.minute.said import Distance, Minute, North, PoseSaid, Said, Seen
 from experiments.show.output import write_whole
 
 HEADERS = {
@@ -42,7 +42,7 @@ def _stamp(said: Said) -> int:
 
 def _rows(said: Said) -> Iterator[tuple[str | int | float, ...]]:
     match said.value:
-        case Pose() as pose:
+        case PoseSaid() as pose:
             yield said.stamp, pose.x, pose.y, pose.turned.heading
         case North(turned):
             yield said.stamp, turned.heading

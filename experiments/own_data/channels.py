@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from experiments.own_data.facts import Facts
-from experiments.own_data.kinds import COLUMNS, KINDS, MESSAGES, fields_of, is_enough
+from experiments.own_data.kinds import COLUMNS, MESSAGES, STREAM_KINDS, fields_of, is_enough
 from experiments.own_data.settings import Settings
 from experiments.own_data.stream import Stream
 from experiments.own_data.units import Door
@@ -16,7 +16,7 @@ from experiments.recorded.words import nearest
 from filter import InvalidInput
 
 HEADER, RECEIVED = "header", "received"
-VARIANCES = {variance for kind in KINDS.values() for several in kind.variances.values() for variance in several}
+VARIANCES = {variance for kind in STREAM_KINDS.values() for several in kind.variances.values() for variance in several}
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +69,10 @@ def _matches(
     if stream.key != data.key:
         what = "a bag" if data.key == "topic" else "CSV files"
         raise InvalidInput(f'{stream.place}: "{data.key}", as the input is {what}', f'"{stream.key}"')
+    if "{target}" in stream.source and "id" not in STREAM_KINDS[stream.kind].fields:
+        raise InvalidInput(
+            f"{stream.place}: a {stream.key} without {{target}}, as a {stream.kind} is of nobody else", stream.source
+        )
     pattern = _pattern(stream, facts)
     fitting = [(topic, match) for topic in data.topics if (match := pattern.fullmatch(topic.name))]
     if "{target}" not in stream.source:
@@ -87,7 +91,7 @@ def _matches(
 
 def nobody(called: str) -> str:
     """Return why what was measured of somebody unknown is left out."""
-    return f'"{called}" is neither name nor id of a robot or landmark; [team] ids = {{ "{called}" = NAME }} makes it one'
+    return f'no robot or landmark is called "{called}"; in the settings, [team] ids = {{ {called} = NAME }} makes it one'
 
 
 def _pattern(stream: Stream, facts: Facts) -> re.Pattern[str]:
@@ -119,11 +123,6 @@ def _channel(stream: Stream, topic: Topic, data: Input, facts: Facts, *, rank: i
 
 
 def _check_body(stream: Stream, body: Mapping[str, str] | None) -> None:
-    measures = "id" in KINDS[stream.kind].fields
-    if "{target}" in stream.source and not measures:
-        raise InvalidInput(
-            f"{stream.place}: a {stream.key} without {{target}}, as a {stream.kind} is of nobody else", stream.source
-        )
     if stream.target and body is None:
         raise InvalidInput(f"{stream.place}: target: the name of a robot or landmark", f'"{stream.target}"')
     if body == {"target": stream.robot}:
@@ -138,7 +137,7 @@ def _fields(stream: Stream, topic: Topic, body: Mapping[str, str] | None) -> dic
     kind = stream.kind
     if topic.fields:
         known = {name: name for name in COLUMNS[kind]}
-        if "id" in KINDS[kind].fields and body is None:
+        if "id" in STREAM_KINDS[kind].fields and body is None:
             known["id"] = "id"
     else:
         known = MESSAGES[kind].get(topic.type, {})
@@ -151,7 +150,7 @@ def _fields(stream: Stream, topic: Topic, body: Mapping[str, str] | None) -> dic
 
 
 def _check_fields(stream: Stream, topic: Topic, fields: Mapping[str, str], facts: Facts) -> None:
-    kind = KINDS[stream.kind]
+    kind = STREAM_KINDS[stream.kind]
     if not is_enough(stream.kind, fields):
         usual = ", ".join(MESSAGES[stream.kind]) or "none"
         needs = " or ".join(" and ".join(needs) for needs in kind.needs)

@@ -171,9 +171,11 @@ def _leave_out(data: Input, used: set[str], left_out: LeftOut) -> None:
         if topic.name in used:
             if not topic.size:
                 left_out.add(topic.name, "it is empty", 0)
-        elif topic.type == TRANSFORMS and not topic.missing:
+        elif topic.size == 0 or left_out.has(topic.name):
+            continue
+        elif topic.type in TRANSFORMS and not topic.missing:
             left_out.add(topic.name, mountings(data, topic), topic.size)
-        elif not left_out.has(topic.name):
+        else:
             left_out.add(topic.name, topic.missing or "the settings do not name it", topic.size)
 
 

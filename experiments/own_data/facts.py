@@ -54,6 +54,17 @@ class Facts:
     origin: tuple[float, float] | None
     ids: Mapping[str, str]
 
+    def check(self, place: str) -> None:
+        """Refuse robots of which nobody says where they are.
+
+        Raises:
+            InvalidInput: The arena has open ends, and a robot could be anywhere in it.
+        """
+        lost = [name for name, known in self.robots.items() if known.vertices is None]
+        if lost and any(map(math.isinf, (*self.arena[0], *self.arena[1]))):
+            expected = f'{place} an "arena" without open ends, or a "start" of every robot that says where it is'
+            raise InvalidInput(expected, f"neither for {lost[0]}")
+
     def body(self, called: str, ids: Mapping[str, str]) -> dict[str, str] | None:
         """Return the field of a record that names who is measured, or None if nobody is called so."""
         name = ids.get(called) or self.ids.get(called) or called
@@ -95,7 +106,7 @@ def read_facts(team: Table, robots: Mapping[str, Table]) -> Facts:
     limits = {name: {robot: _limit(table, name, common[name]) for robot, table in robots.items()} for name in LIMITS}
     known = {robot: _initial(table) for robot, table in robots.items()}
     landmarks = _landmarks(team, known)
-    arena = _arena(team, known)
+    arena = _box(team, "arena", open_ends=True) if team.has("arena") else OPEN
     start = team.number("start", "a time [s]") if team.has("start") else None
     ids = _ids(team, [*known, *landmarks])
     return Facts(known, landmarks, arena, limits["speed_limit"], limits["turn_rate_limit"], start, _origin(team), ids)
@@ -161,15 +172,6 @@ def _landmarks(team: Table, robots: Mapping[str, Initial]) -> dict[str, list[flo
     if twice := sorted(set(landmarks) & set(robots)):
         raise InvalidInput(f"{team.place}: each name for one robot or landmark", f'"{twice[0]}" for both')
     return landmarks
-
-
-def _arena(team: Table, robots: Mapping[str, Initial]) -> list[list[float]]:
-    arena = _box(team, "arena", open_ends=True) if team.has("arena") else OPEN
-    lost = [name for name, known in robots.items() if known.vertices is None]
-    if lost and any(map(math.isinf, (*arena[0], *arena[1]))):
-        expected = f'{team.place}: an "arena" without open ends, or a "start" of every robot that says where it is'
-        raise InvalidInput(expected, f"neither for {lost[0]}")
-    return arena
 
 
 def _ids(team: Table, names: list[str]) -> dict[str, str]:

@@ -13,7 +13,7 @@ ANGLE, LENGTH, PLAIN = "angle", "length", "plain"
 
 
 @dataclass(frozen=True)
-class Kind:
+class StreamKind:
     """What the settings can say of a stream of one kind.
 
     Attributes:
@@ -34,28 +34,28 @@ class Kind:
 
 
 POSE = ("x", "y", "heading"), ("x", "y", "orientation")
-KINDS: dict[str, Kind] = {
-    "odometry": Kind(
+STREAM_KINDS: dict[str, StreamKind] = {
+    "odometry": StreamKind(
         ("x", "y", "heading", "orientation", "distance", "turn"),
         (("distance", "turn"), *POSE),
         {"distance_bound": LENGTH, "turn_bound": ANGLE, "direction_bound": ANGLE, "slip_bound": LENGTH}
         | {"distance_relative_bound": PLAIN, "turn_relative_bound": PLAIN},
         {},
     ),
-    "twist": Kind(
+    "twist": StreamKind(
         ("speed", "speed_aside", "turn_rate", "speed_variance", "turn_rate_variance"),
         (("speed", "turn_rate"),),
         {"speed_bound": LENGTH, "turn_rate_bound": ANGLE, "direction_bound": ANGLE, "slip_rate": LENGTH},
         {"speed_bound": ("speed_variance",), "turn_rate_bound": ("turn_rate_variance",)},
     ),
-    "compass": Kind(
+    "compass": StreamKind(
         ("heading", "orientation", "variance"),
         (("heading",), ("orientation",)),
         {"bound": ANGLE},
         {"bound": ("variance",)},
         pairs=True,
     ),
-    "range": Kind(
+    "range": StreamKind(
         ("range", "id", "least", "greatest", "variance"),
         (("range",),),
         {"bound": LENGTH, "relative_bound": PLAIN},
@@ -63,21 +63,23 @@ KINDS: dict[str, Kind] = {
         pairs=True,
         conventions=False,
     ),
-    "bearing": Kind(("bearing", "id", "variance"), (("bearing",),), {"bound": ANGLE}, {"bound": ("variance",)}, pairs=True),
-    "detections": Kind(
+    "bearing": StreamKind(
+        ("bearing", "id", "variance"), (("bearing",),), {"bound": ANGLE}, {"bound": ("variance",)}, pairs=True
+    ),
+    "detections": StreamKind(
         ("range", "bearing", "id"),
         (("range", "bearing"),),
         {"range_bound": LENGTH, "range_relative_bound": PLAIN, "bearing_bound": ANGLE},
         {},
         pairs=True,
     ),
-    "position": Kind(
+    "position": StreamKind(
         ("x", "y", "latitude", "longitude", "status", "variance_x", "variance_y"),
         (("latitude", "longitude"), ("x", "y")),
         {"bound": LENGTH},
         {"bound": ("variance_x", "variance_y")},
     ),
-    "truth": Kind(("x", "y", "heading", "orientation"), (*POSE, ("x", "y")), {}, {}),
+    "truth": StreamKind(("x", "y", "heading", "orientation"), (*POSE, ("x", "y")), {}, {}),
 }
 # Two ways to say the same: whoever says the one in the settings does not mean the other one, that is known of the message.
 RIVALS: dict[str, tuple[str, ...]] = {
@@ -162,9 +164,9 @@ def fields_of(kind: str, known: Mapping[str, str], said: Mapping[str, str]) -> d
     """Return the fields to read: those known of a message or a file, with what the settings say instead."""
     dropped = {rival for name in said for rival in RIVALS.get(name, ())}
     fields = {name: path for name, path in known.items() if name not in dropped} | dict(said)
-    return {name: fields[name] for name in KINDS[kind].fields if name in fields}
+    return {name: fields[name] for name in STREAM_KINDS[kind].fields if name in fields}
 
 
 def is_enough(kind: str, fields: Mapping[str, str]) -> bool:
     """Return whether there is a set of fields that records of the kind can be made from."""
-    return any(set(needs) <= set(fields) for needs in KINDS[kind].needs)
+    return any(set(needs) <= set(fields) for needs in STREAM_KINDS[kind].needs)

@@ -8,7 +8,7 @@ from typing import Any
 from experiments.own_data.units import yaw
 from experiments.recorded import Input, Topic
 
-TRANSFORMS, STATIC = "tf2_msgs/msg/TFMessage", "static"
+TRANSFORMS, STATIC = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"), "static"
 SHOWN = 3  # so many are told
 MOVING = "transforms that move are not read"
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from experiments.own_data.facts import Facts, read_facts
-from experiments.own_data.kinds import KINDS
+from experiments.own_data.kinds import STREAM_KINDS
 from experiments.own_data.stream import Clock, Stream, read_stream
 from experiments.own_data.table import Table
 from filter import InvalidInput
@@ -48,7 +48,7 @@ def read_settings(path: Path) -> Settings:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InvalidInput("settings, a readable TOML file", f"{path}: {error}") from None
     whole = Table(f"{path.name}:", values)
-    team, files = whole.table("team", "a table"), whole.table_or_empty("input", "a table")
+    team, files = whole.table("team", "what is known of all"), whole.table_or_empty("input", "a table")
     tables, every = whole.table("robots", "tables [robots.NAME]"), whole.table_or_empty("every_robot", "a table")
     whole.end()
     robots = {name: tables.table(name, "a table") for name in tables.names()}
@@ -57,6 +57,7 @@ def read_settings(path: Path) -> Settings:
     settings = _settings(read_facts(team, robots), _streams(robots, every, files), files, path.parent)
     for table in (team, files, every, *robots.values()):
         table.end()
+    settings.facts.check(f"{path.name}: [team]:")
     return settings
 
 
@@ -69,14 +70,14 @@ def _settings(facts: Facts, streams: tuple[Stream, ...], files: Table, folder: P
 def _streams(robots: Mapping[str, Table], every: Table, files: Table) -> tuple[Stream, ...]:
     """Return all streams; a robot's own table of a kind stands for that of every robot, and false for none."""
     clock, found = Clock.read(files, Clock("", "", 0.0)), list[Stream]()
-    common = {kind: every.tables(kind, A_STREAM) for kind in KINDS}
+    common = {kind: every.tables(kind, A_STREAM) for kind in STREAM_KINDS}
     for robot, table in robots.items():
-        for kind in KINDS:
+        for kind in STREAM_KINDS:
             if not table.has(kind):
                 tables = [each.copy() for each in common[kind]]
             else:
                 tables = [] if table.is_false(kind) else table.tables(kind, A_STREAM)
             found += [read_stream(kind, robot, each, clock) for each in tables]
     if not found:
-        raise InvalidInput(f"{every.place}: at least one stream of a robot: {', '.join(KINDS)}", "none")
+        raise InvalidInput(f"{every.place}: at least one stream of a robot: {', '.join(STREAM_KINDS)}", "none")
     return tuple(found)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from experiments.own_data.kinds import ANGLE, KINDS, LENGTH, PLAIN, Kind
+from experiments.own_data.kinds import ANGLE, LENGTH, PLAIN, STREAM_KINDS, StreamKind
 from experiments.own_data.table import Bound, Table, texts
 from experiments.own_data.units import ANGLES, CONVENTIONS, LENGTHS, STAMPS, Convention, Door, radians
 from experiments.recorded.words import nearest
@@ -54,7 +54,7 @@ class Stream:
     """One stream of one robot, as the settings say.
 
     Attributes:
-        kind: One of `KINDS`.
+        kind: One of `STREAM_KINDS`.
         robot: Whose it is.
         place: Where in the settings, for errors.
         source: Name of the topic or file, in which {robot} and {target} stand for a name.
@@ -98,7 +98,7 @@ def read_stream(kind: str, robot: str, table: Table, clock: Clock) -> Stream:
     Raises:
         InvalidInput: A key is unknown or missing, or what it holds is not as it should be.
     """
-    what = KINDS[kind]
+    what = STREAM_KINDS[kind]
     door = _door(kind, what, table)
     radius, k_sigma = kind == "position" and table.has("radius"), _k_sigma(what, table)
     stream = Stream(
@@ -133,7 +133,7 @@ def _source(table: Table) -> dict[str, Any]:
     return {"source": source, "key": keys[0]}
 
 
-def _door(kind: str, what: Kind, table: Table) -> Door:
+def _door(kind: str, what: StreamKind, table: Table) -> Door:
     said = table.take("unit", "units") if table.has("unit") else []
     words = said if isinstance(said, list) else [said]
     sorts = set(what.bounds.values()) | ({ANGLE, LENGTH} if kind == "truth" else set())
@@ -151,7 +151,7 @@ def _door(kind: str, what: Kind, table: Table) -> Door:
     return Door(angle, length, bool(angles), cast(Convention, convention), radians(declination, angle))
 
 
-def _k_sigma(what: Kind, table: Table) -> float:
+def _k_sigma(what: StreamKind, table: Table) -> float:
     if not what.variances:
         return 0.0
     k_sigma = table.number_or("k_sigma", "a number above 0", 0.0, least=0.0)
@@ -161,7 +161,7 @@ def _k_sigma(what: Kind, table: Table) -> float:
 
 
 def _bounds(kind: str, table: Table, door: Door, k_sigma: float) -> dict[str, Bound]:
-    what, bounds = KINDS[kind], dict[str, Bound]()
+    what, bounds = STREAM_KINDS[kind], dict[str, Bound]()
     for name, sort in what.bounds.items():
         if sort == PLAIN:
             bounds[name] = _relative(table, name)
@@ -184,7 +184,7 @@ def _relative(table: Table, name: str) -> float:
 def _bound_of_position(table: Table, door: Door) -> Bound:
     name = next((each for each in ("bound", "radius") if table.has(each)), None)
     if name is None:
-        raise _unbounded(table, "bound", f'or a "radius", {LARGEST_ERROR} [{door.length}]', KINDS["position"])
+        raise _unbounded(table, "bound", f'or a "radius", {LARGEST_ERROR} [{door.length}]', STREAM_KINDS["position"])
     value = table.take(name, LARGEST_ERROR)
     if not isinstance(value, list):
         return door.distance(table.checked(name, value, "a bound from 0 on", 0.0))
@@ -194,13 +194,13 @@ def _bound_of_position(table: Table, door: Door) -> Bound:
     return door.place(x, y)
 
 
-def _unbounded(table: Table, name: str, what: str, kind: Kind) -> InvalidInput:
+def _unbounded(table: Table, name: str, what: str, kind: StreamKind) -> InvalidInput:
     others = ', or "k_sigma" to take so many standard deviations of what the message says' if name in kind.variances else ""
     return InvalidInput(f'{table.place}: a bound "{name}", {what}{others}', "none; without a bound there is no guarantee")
 
 
 def _declared(kind: str, name: str, table: Table, door: Door) -> Bound:
-    what = KINDS[kind]
+    what = STREAM_KINDS[kind]
     is_angle = what.bounds[name] == ANGLE
     if not table.has(name):
         raise _unbounded(table, name, f"{LARGEST_ERROR} [{door.angle if is_angle else door.length}]", what)

@@ -9,22 +9,22 @@ from typing import Any
 from experiments.recorded.words import nearest
 from filter import InvalidInput
 
-STEP = re.compile(r"\.?([A-Za-z]\w*)|\[(\*|\d+)\]")
+ONE_STEP = re.compile(r"\.?([A-Za-z]\w*)|\[(\*|\d+)\]")
 EACH = "*"
-Step = str | int  # a field, an element, or each element
-Fields = Mapping[str, tuple[Any, Sequence[tuple[str, Any]]]]  # for each type its constants and its fields, as rosbags has them
+PathStep = str | int  # a field, an element, or each element
+TypeFields = Mapping[str, tuple[Any, Sequence[tuple[str, Any]]]]  # by type: constants, and fields
 BASE, NAME = 1, 2  # what a field is, in rosbags' words; anything else is an array
 
 
-def steps_of(path: str) -> list[Step]:
+def steps_of(path: str) -> list[PathStep]:
     """Return the steps of a path.
 
     Raises:
         InvalidInput: It is none, or it goes over two arrays.
     """
-    found, at = list[Step](), 0
+    found, at = list[PathStep](), 0
     while at < len(path):
-        match = STEP.match(path, at)
+        match = ONE_STEP.match(path, at)
         if match is None or (at == 0 and path.startswith(".")):
             raise InvalidInput('a path as in "pose.position.x" or "detections[*].bearing"', repr(path))
         name, index = match.groups()
@@ -35,7 +35,7 @@ def steps_of(path: str) -> list[Step]:
     return found
 
 
-def follow(value: Any, steps: Sequence[Step]) -> Any:
+def follow(value: Any, steps: Sequence[PathStep]) -> Any:
     """Return what is at the end of a path; a list of them, after a [*]."""
     for number, step in enumerate(steps):
         if step == EACH:
@@ -44,7 +44,7 @@ def follow(value: Any, steps: Sequence[Step]) -> Any:
     return value
 
 
-def check_path(path: str, message: str, types: Fields) -> None:
+def check_path(path: str, message: str, types: TypeFields) -> None:
     """Refuse a path that a type of messages does not have.
 
     Raises:
@@ -53,16 +53,21 @@ def check_path(path: str, message: str, types: Fields) -> None:
     at: Any = (NAME, message)
     for step in steps_of(path):
         sort, inner = at
-        if isinstance(step, str) and step != EACH:
-            fields = dict(types[inner][1]) if sort == NAME else {}
-            if step not in fields:
-                whose = inner if sort == NAME else "what is no message"
-                raise InvalidInput(f'"{path}": a field of {whose}: {nearest(step, fields)}', f'"{step}"')
-            at = fields[step]
-        elif sort in (BASE, NAME):
-            raise InvalidInput(f'"{path}": an array before [{step}]', f"{inner if sort == NAME else inner[0]}")
-        else:
-            at = inner[0]
+        is_index = step == EACH or isinstance(step, int)
+        if sort in (NAME, BASE) and is_index:
+            raise InvalidInput(f'"{path}": an array before [{step}]', inner if sort == NAME else inner[0])
+        if sort == BASE:
+            raise InvalidInput(f'"{path}": nothing after a {inner[0]}', f'"{step}"')
+        if sort != NAME and not is_index:
+            raise InvalidInput(f'"{path}": [*], or the number of an element as in [0], before "{step}"', "neither")
+        at = inner[0] if is_index else _field(path, str(step), inner, types)
+
+
+def _field(path: str, name: str, message: str, types: TypeFields) -> Any:
+    fields = dict(types[message][1])
+    if name not in fields:
+        raise InvalidInput(f'"{path}": a field of {message}: {nearest(name, fields)}', f'"{name}"')
+    return fields[name]
 
 
 def compiled_path(path: str) -> Callable[[Any], Any]:

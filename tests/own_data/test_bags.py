@@ -6,8 +6,8 @@ import math
 import shutil
 
 import pytest
-from helpers.made_bags import FORMS, stamped, turned, without_definitions, write_bag
-from helpers.settings_files import OF_BAGS, of_robots
+from helpers.own_data.made_bags import FORMS, stamped, turned, without_definitions, write_bag
+from helpers.own_data.settings_files import OF_BAGS, of_robots
 
 from experiments.convert import main
 from experiments.show.command import BAD_INPUT

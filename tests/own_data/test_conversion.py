@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.settings_files import OF_TABLES, of_robots
+from helpers.own_data.settings_files import OF_TABLES, of_robots
 from hypothesis import given
 from hypothesis import strategies as st
 

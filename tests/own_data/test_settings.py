@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from helpers.settings_files import OF_BAGS, TEAM, of_robots
+from helpers.own_data.settings_files import OF_BAGS, TEAM, of_robots
 
 from experiments.own_data import read_settings
 from experiments.own_data.kinds import STREAM_KINDS

@@ -4,7 +4,7 @@ import gzip
 import json
 
 import pytest
-from helpers.settings_files import OF_TABLES, of_robots
+from helpers.own_data.settings_files import OF_TABLES, of_robots
 
 from experiments.convert import main
 from experiments.show.command import BAD_INPUT

@@ -44,6 +44,7 @@ def run(options: Options) -> int:
         CorralError: The settings or the data cannot be used, or nothing came of them.
         OSError: The log cannot be written.
     """
+    _check_out(options)
     settings = read_settings(options.settings)
     with opened(options.data, settings.types, settings.definitions) as data:
         converted = convert(settings, data, options.out)
@@ -53,6 +54,13 @@ def run(options: Options) -> int:
         raise InvalidInput("data that records can be made of", "none; no log was written")
     _print(options.out, converted)
     return 0
+
+
+def _check_out(options: Options) -> None:
+    """Refuse to write over what is read, or over what is no file."""
+    out, read = options.out, [path for path in (options.settings, options.data) if path.exists()]
+    if out.exists() and (not out.is_file() or any(map(out.samefile, read))):
+        raise InvalidInput("a log to write, a file of its own", f"{out}, which is something else")
 
 
 def _print(path: Path, converted: Converted) -> None:

@@ -51,9 +51,9 @@ def run(options: Options) -> int:
     if options.seed < 0:
         raise InvalidInput("seed: a whole number from 0 on", options.seed)
     folder, made = output_folder(options.out), minute(np.random.default_rng(options.seed))
-    write_tables(folder / "minute.csv", made)
     write_mcap(folder / "minute.mcap", made)
     write_bag(folder / "minute.bag", made)
+    write_tables(folder / "minute.csv", made)
     write_log(folder / "minute.jsonl", made)
     write_settings(folder, made)
     counts = Counter(each.stream for each in made.said)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -114,7 +115,7 @@ def _several(stream: Stream, names: Sequence[str]) -> InvalidInput:
 def _channel(stream: Stream, topic: Topic, data: Input, facts: Facts, *, rank: int, body: Mapping[str, str] | None) -> Channel:
     if topic.missing:
         raise InvalidInput(f"{stream.place}: a {stream.key} that can be read", f"{topic.name}, {topic.type}: {topic.missing}")
-    _check_body(stream, body)
+    _check_body(stream, body, facts)
     fields = _fields(stream, topic, body)
     _check_fields(stream, topic, fields, facts)
     takers = {name: _taker(data, topic, name, path) for name, path in fields.items()}
@@ -122,7 +123,10 @@ def _channel(stream: Stream, topic: Topic, data: Input, facts: Facts, *, rank: i
     return Channel(stream, topic, rank, body, takers, _stamp(stream, topic, data), only)
 
 
-def _check_body(stream: Stream, body: Mapping[str, str] | None) -> None:
+def _check_body(stream: Stream, body: Mapping[str, str] | None, facts: Facts) -> None:
+    for name in stream.ids.values():
+        if name not in (known := [*facts.robots, *facts.landmarks]):
+            raise InvalidInput(f"{stream.place}: ids: names of robots and landmarks: {nearest(name, known)}", f'"{name}"')
     if stream.target and body is None:
         raise InvalidInput(f"{stream.place}: target: the name of a robot or landmark", f'"{stream.target}"')
     if body == {"target": stream.robot}:
@@ -162,8 +166,18 @@ def _check_fields(stream: Stream, topic: Topic, fields: Mapping[str, str], facts
         raise InvalidInput(f"{stream.place}: one value in each message", f'"{starred[0]}"')
     if stream.k_sigma and not {name for several in kind.variances.values() for name in several} <= set(fields):
         raise InvalidInput(f"{stream.place}: a bound, as {topic.type} has no covariance for k_sigma", "k_sigma")
+    if stream.kind == "odometry" and "turn" not in fields:
+        _check_turning(stream, facts)
     if "latitude" in fields:
         _check_latitude(stream, facts)
+
+
+def _check_turning(stream: Stream, facts: Facts) -> None:
+    """Refuse poses so far apart that nobody knows to which side a robot turned: its way would be that of the other side."""
+    turn = stream.longest * facts.turn_rate_limit[stream.robot]
+    if turn >= math.pi:
+        expected = f"{stream.place}: longest: a time in which a robot turns by less than half a circle, at its turn_rate_limit"
+        raise InvalidInput(expected, f"{stream.longest:g} s, {turn:.3g} rad")
 
 
 def _check_latitude(stream: Stream, facts: Facts) -> None:

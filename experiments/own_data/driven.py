@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from experiments.own_data.channels import Channel
 from experiments.own_data.facts import Facts
-from experiments.own_data.reading import Reading, Record, Unmeasured
+from experiments.own_data.reading import Reading, Record, Unmeasured, placed
 from experiments.own_data.units import SECOND, metres, radians, seconds, wrapped
 from experiments.recorded import LeftOut, Message
 
@@ -86,6 +86,8 @@ class OdometryReading(Reading):
 
     def _increment_of(self, message: Message) -> Increment:
         distance, turn = self.value(message, "distance"), self.value(message, "turn")
+        with placed(message.place):
+            self.door.plain_angle(turn)
         return Increment(self.door.distance(distance), 0.0, self.door.turn(turn))
 
     def _record(self, start: float, time: float, moved: Increment) -> Record:

@@ -82,7 +82,12 @@ class Sightings(Reading):
         if name in self.stream.bounds:
             return self.stream.bounds[name]
         deviations = self.deviations(name, entry["variance"], place)
-        return radians(deviations, self.door.angle) if what == "bearing" else metres(deviations, self.door.length)
+        if what == "range":
+            return metres(deviations, self.door.length)
+        bound = radians(deviations, self.door.angle)
+        if bound >= math.pi / 2:
+            raise Unmeasured("its covariance allows any direction")
+        return bound
 
 
 def _together(lists: Mapping[str, list[Any]], place: str) -> Iterator[dict[str, Any]]:

@@ -146,7 +146,8 @@ class Table:
         several = value if isinstance(value, list) else [value]
         if not all(isinstance(each, dict) for each in several):
             raise self.refuse(name, what, value)
-        return [Table(f"{self.place} {name}", each) for each in several]
+        numbers = [""] if len(several) == 1 else [f"[{k}]" for k in range(len(several))]
+        return [Table(f"{self.place} {name}{number}", each) for number, each in zip(numbers, several, strict=True)]
 
     def checked(self, name: str, value: Any, what: str, least: float = -math.inf, *, endless: bool = False) -> float:
         """Return a number as a float, if it is one."""

@@ -35,7 +35,7 @@ class Bag:
     key = "topic"
 
     def __init__(self, path: Path, types: str, definitions: Collection[Path]) -> None:
-        self._path = path
+        self._path, self._types_said = path, types
         with self._readable():
             self._reader = _reader(path)
             self._reader.open()
@@ -100,7 +100,8 @@ class Bag:
             raise
         except Exception as error:
             remedy = MENDING.get(self._path.suffix, "ros2 bag reindex")
-            expected = f"{self._path}: a whole recording; one that was cut off is mended by {remedy}"
+            types = f", with messages as ROS 2 {self._types_said} has them" if self._types_said else ""
+            expected = f"{self._path}: a whole recording{types}; one that was cut off is mended by {remedy}"
             raise InvalidInput(expected, f"{type(error).__name__}: {error}") from None
 
 

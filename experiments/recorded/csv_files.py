@@ -55,6 +55,8 @@ class CsvFiles:
         """
         if path not in topic.fields:
             raise InvalidInput(f"{topic.name}: a column of its header line: {nearest(path, topic.fields)}", f'"{path}"')
+        if list(topic.fields).count(path) > 1:
+            raise InvalidInput(f"{topic.name}: each column once", f'several called "{path}"')
         column = list(topic.fields).index(path)
         return lambda row: row[column]
 

@@ -4,6 +4,7 @@ import gzip
 import json
 import math
 import shutil
+import sys
 
 import pytest
 from helpers.own_data.made_bags import FORMS, stamped, turned, without_definitions, write_bag
@@ -306,6 +307,35 @@ def test_a_bag_without_messages_is_told(bag, converted):
     code, _, told = converted(bag([]), of_robots(OF_BAGS, compass=HEADING))
     assert code == BAD_INPUT
     assert "a topic that is there" in told
+
+
+@pytest.mark.parametrize(("package", "stream"), [("rosbags.highlevel", HEADING), ("pyproj", 'topic = "/gps", bound = 2.5')])
+def test_a_package_that_is_not_there_is_told(bag, converted, monkeypatch, package, stream):
+    place = stamped(SECOND, latitude=48.0, longitude=11.0)
+    path, kind = bag([imu(SECOND, 0.5), ("/gps", FIX, 1, place)]), "compass" if stream == HEADING else "position"
+    monkeypatch.setitem(sys.modules, package, None)
+    code, _, told = converted(path, of_robots(OF_BAGS.replace("[team]", "[team]\norigin = [48.0, 11.0]"), **{kind: stream}))
+    assert code == BAD_INPUT
+    assert "pip install 'corral[data]'" in told
+
+
+def test_poses_so_far_apart_that_nobody_knows_how_a_robot_turned_are_refused(bag, converted):
+    said = [("/odom", ODOMETRY, 1, stamped(SECOND, pose={"pose": pose(0.0, 0.0, 0.0)}))]
+    code, _, told = converted(bag(said), of_robots(OF_BAGS, odometry=f'topic = "/odom", {MOTION.replace("1.0", "1.6")}'))
+    assert code == BAD_INPUT
+    assert "turns by less than half a circle" in told
+
+
+def test_messages_of_another_type_than_is_said_are_told(tmp_path, converted):
+    """Jazzy's ranges have a variance, humble's have not."""
+    path = write_bag(tmp_path / "my.db3", [("/uwb", RANGE, 1, stamped(SECOND, range=1.0))])
+    without_definitions(path)
+    settings = of_robots(
+        OF_BAGS.replace("[input]", '[input]\ntypes = "jazzy"'), range='topic = "/uwb", target = "b", bound = 0.1'
+    )
+    code, _, told = converted(path, settings)
+    assert code == BAD_INPUT
+    assert "with messages as ROS 2 jazzy has them" in told
 
 
 def test_what_is_no_recording_is_told(tmp_path, converted):

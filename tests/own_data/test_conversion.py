@@ -153,6 +153,15 @@ def test_a_log_that_cannot_be_written_leaves_the_old_one(convert, tmp_path, monk
     assert [path.name for path in Path(tmp_path).iterdir() if path.name.startswith(".")] == []
 
 
+def test_what_is_read_is_never_written_over(convert, tmp_path):
+    convert(FILES, of_robots(OF_TABLES, **STREAMS))
+    for out in ("my.toml", "imu.csv", "", "/dev/null"):
+        before = (tmp_path / "imu.csv").read_bytes()
+        assert main([str(tmp_path / "my.toml"), str(tmp_path / "imu.csv"), str(tmp_path / out)]) == BAD_INPUT
+        assert (tmp_path / "imu.csv").read_bytes() == before
+    assert not Path("/dev/null").is_file()
+
+
 def test_bad_input_on_the_way_leaves_the_old_log(convert, tmp_path):
     (tmp_path / "out.jsonl").write_text('{"old": true}\n')
     code, records, _ = convert(FILES | {"imu.csv": "t,heading\n1,0.5\n2,x\n"}, of_robots(OF_TABLES, **STREAMS))

@@ -2,6 +2,8 @@
 
 import gzip
 import json
+import re
+from pathlib import Path
 
 import pytest
 from helpers.own_data.settings_files import OF_TABLES, of_robots
@@ -68,6 +70,7 @@ def test_a_single_file_is_read_alone(converted):
         ("\n\n", "a header line"),
         (GOOD.replace("heading", "heding"), 'a column of its header line: did you mean "heding"?'),
         (GOOD + "1.5\n", "imu.csv, line 4: 2 columns"),
+        ("t,heading,heading\n1,1,1\n", 'several called "heading"'),
         (GOOD + "1.5,1,2\n", "imu.csv, line 4: 2 columns"),
         (GOOD + "1.5,abc\n", "imu.csv, line 4: heading: a number"),
         (GOOD + '1.5,"0,5"\n', "imu.csv, line 4: heading: a number"),
@@ -168,6 +171,7 @@ def test_a_quaternion_may_be_four_columns_or_the_head_of_their_names(converted):
         ({"range": 'file = "imu.csv", range = "heading", bound = 0.1'}, "a column of its header line"),
         ({"range": 'file = "imu.csv", range = "heading", target = "gat", bound = 0.1'}, "target: the name of"),
         ({"range": 'file = "imu.csv", range = "heading", target = "a", bound = 0.1'}, "another one than the robot itself"),
+        ({"range": 'file = "imu.csv", range = "heading", ids = { 7 = "gat" }, bound = 0.1'}, 'did you mean "gate"'),
         ({"range": 'file = "imu.csv", range = "heading", target = "b", id = "t", bound = 0.1'}, "who is measured, said once"),
     ],
 )
@@ -175,3 +179,27 @@ def test_settings_that_do_not_fit_the_tables_are_told(converted, stream, told):
     code, _, said = converted({"imu.csv": GOOD}, of_robots(OF_TABLES, **stream))
     assert code == BAD_INPUT
     assert told in said
+
+
+def test_the_example_for_newcomers_works(converted):
+    """Robots that call one another by numbers, with a compass in degrees from north that needs correcting."""
+    page = (Path(__file__).parents[2] / "docs/own-data.md").read_text()
+    settings = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[0]
+    files = {}
+    for robot, other in (("alice", 4), ("bob", 3)):
+        files[f"{robot}_odom.csv"] = "time,x,y,heading\n1.0,0,0,0\n1.1,0.05,0,0\n"
+        files[f"{robot}_compass.csv"] = "time,degrees\n1.05,85.8\n"
+        files[f"{robot}_uwb.csv"] = f"time,node,mm\n1.06,17,2500\n1.07,{other},1500\n"
+    code, records, said = converted(files, settings)
+    assert (code, said) == (0, "")
+    by_kind = {kind: [r for r in records if r["record"] == kind] for kind in ("odometry", "compass", "range")}
+    assert [record["distance"] for record in by_kind["odometry"]] == [0.05, 0.05]
+    assert [record["heading"] for record in by_kind["compass"]] == pytest.approx([0.0, 0.0])
+    assert by_kind["compass"][0]["bound"] == pytest.approx(0.0872664626)
+    ranges = [(r["robot"], r.get("target"), r.get("landmark"), r["range"], r["bound"]) for r in by_kind["range"]]
+    assert ranges == [
+        ("alice", None, "gate", 2.5, [0.0, 0.3]),
+        ("bob", None, "gate", 2.5, [0.0, 0.3]),
+        ("alice", "bob", None, 1.5, [0.0, 0.3]),
+        ("bob", "alice", None, 1.5, [0.0, 0.3]),
+    ]

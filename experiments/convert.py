@@ -47,7 +47,7 @@ def run(options: Options) -> int:
     _check_out(options)
     settings = read_settings(options.settings)
     with opened(options.data, settings.types, settings.definitions) as data:
-        converted = convert(settings, data, options.out)
+        converted = convert(settings, data, options.out, lambda number: tell(f"{number} messages read"))
     for line in converted.left_out:
         tell(line)
     if not converted.records:

@@ -6,9 +6,9 @@ import heapq
 import json
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, count
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -32,6 +32,7 @@ READINGS: dict[str, type[Reading]] = {
     "position": PositionReading,
     "truth": TruthReading,
 }
+NOW_AND_THEN = 100_000  # messages
 EPOCH = 10**9 * SECOND  # a clock that shows the date is beyond it [ns]
 
 
@@ -72,8 +73,14 @@ class Converted:
     left_out: Sequence[str]
 
 
-def convert(settings: Settings, data: Input, path: Path) -> Converted:
+def convert(settings: Settings, data: Input, path: Path, told: Callable[[int], None] = lambda _: None) -> Converted:
     """Write a log; it is there as a whole in the end, or not at all.
+
+    Args:
+        settings: What to read, and how.
+        data: Where to read it.
+        path: Where to write it.
+        told: Is given the number of messages read so far, now and then.
 
     Raises:
         InvalidInput: The settings do not fit the recording, or it is damaged.
@@ -83,7 +90,7 @@ def convert(settings: Settings, data: Input, path: Path) -> Converted:
     found = channels(settings, data, left_out)
     _leave_out(data, {channel.topic.name for channel in found}, left_out)
     readings = [READINGS[channel.stream.kind](channel, settings.facts, left_out) for channel in found]
-    entries = ordered(_entries(data, readings), settings.lateness)
+    entries = ordered(_entries(data, readings, told), settings.lateness)
     temporary = path.with_name(f".{path.name}.tmp")
     try:
         with temporary.open("w", encoding="utf-8", newline="\n") as file:
@@ -122,14 +129,22 @@ def _too_late(entry: Entry, newest: Entry, lateness: float) -> InvalidInput:
     return InvalidInput(f"{entry.place}: a stamp at most {lateness:g} s older than one that came before; {remedy}", came)
 
 
-def _entries(data: Input, readings: Sequence[Reading]) -> Iterator[Entry]:
+def _entries(data: Input, readings: Sequence[Reading], told: Callable[[int], None]) -> Iterator[Entry]:
     """Return the records as they arrive; several files are gone through side by side, by their stamps."""
     by_topic = defaultdict[str, list[Reading]](list)
     for reading in readings:
         by_topic[reading.channel.topic.name].append(reading)
-    flows = (_of_flow(flow, by_topic) for flow in data.flows(by_topic))
+    numbers = count(1)
+    flows = (_of_flow(_counted(flow, numbers, told), by_topic) for flow in data.flows(by_topic))
     arrived = heapq.merge(*flows, key=lambda entry: entry.stamp)
     return (entry._replace(number=number) for number, entry in enumerate(arrived))
+
+
+def _counted(messages: Iterator[Message], numbers: Iterator[int], told: Callable[[int], None]) -> Iterator[Message]:
+    for message, number in zip(messages, numbers, strict=False):
+        if number % NOW_AND_THEN == 0:
+            told(number)
+        yield message
 
 
 def _of_flow(messages: Iterator[Message], readings: Mapping[str, Sequence[Reading]]) -> Iterator[Entry]:

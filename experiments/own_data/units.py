@@ -59,7 +59,7 @@ def metres(length: float, unit: str) -> float:
 
 def wrapped(angle: float) -> float:
     """Return an angle in (-pi, pi] [rad]."""
-    return float(wrap(angle))
+    return angle if -math.pi < angle <= math.pi else float(wrap(angle))
 
 
 def heading_from_north(angle: float) -> float:

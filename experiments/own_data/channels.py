@@ -85,7 +85,9 @@ def _matches(
         body = facts.body(match["target"], stream.ids)
         if body is None:
             left_out.add(topic.name, nobody(match["target"]), topic.size)
-        elif body != {"target": stream.robot}:
+        elif body == {"target": stream.robot}:
+            left_out.add(topic.name, "its name says that the robot measures itself", topic.size)
+        else:
             found.append((topic, body))
     return found or None
 

@@ -140,6 +140,18 @@ def test_ranges_are_those_that_their_sensor_can_measure(bag, converted):
     assert "2 of 7 messages: range is not a finite number" in told
 
 
+def test_who_is_measured_is_told_by_the_topic(bag, converted):
+    said = [(f"/uwb/a/{name}", RANGE, 1, stamped(SECOND, range=2.0)) for name in ("a", "b", "7", "ghost")]
+    said.append(("/uwb/b/a", RANGE, 1, stamped(SECOND, range=2.0)))
+    stream = 'topic = "/uwb/{robot}/{target}", bound = 0.1, ids = { 7 = "gate" }'
+    code, records, told = converted(bag(said), of_robots(OF_BAGS, range=stream))
+    assert code == 0
+    assert sorted(record.get("target", record.get("landmark")) for record in records) == ["b", "gate"]
+    assert "/uwb/a/a, sensor_msgs/msg/Range, 1 messages: its name says that the robot measures itself" in told
+    assert '/uwb/a/ghost, sensor_msgs/msg/Range, 1 messages: no robot or landmark is called "ghost"' in told
+    assert "/uwb/b/a, sensor_msgs/msg/Range, 1 messages: the settings do not name it" in told
+
+
 def test_a_pose_is_a_position_a_compass_or_the_truth(bag, converted):
     covariance = [0.0] * 36
     covariance[0], covariance[7], covariance[35] = 0.04, 0.09, 0.01

@@ -11,6 +11,7 @@ TOUR = ("one_robot", "team", "own_log", "rejected_lie", "no_compass", "watching"
 QUESTIONS = {
     "Before all others": ("warm_up",),
     "A moving team": ("moving_team", "prove", "watch"),
+    "Your own data": ("sample", "convert"),
     "Against a Kalman filter": ("ekf_comparison",),
     "Real robots": ("mrclam", "mrclam_sweep", "mrclam_margins", "calibrate"),
     "The paper": ("static_localization", "search_strategy"),

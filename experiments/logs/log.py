@@ -135,6 +135,20 @@ class LogReader:
         with self._located(line):
             gathering.end()
 
+    def copy(self, path: Path) -> None:
+        """Write the same bytes to another file; a log that is compressed becomes plain.
+
+        Raises:
+            InvalidLog: The log cannot be read, or is compressed but not whole.
+            OSError: The other file cannot be written.
+        """
+        with path.open("wb") as file:
+            file.writelines(self._blocks())
+
+    def _blocks(self) -> Iterator[bytes]:
+        with self._readable():
+            yield from self._file.blocks()
+
     def _lines(self) -> Iterator[tuple[int, Fields]]:
         """Yield each line's number and fields; blank lines say nothing."""
         nothing = True

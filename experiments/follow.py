@@ -23,7 +23,7 @@ from experiments.keeping.regions import RegionFiles
 from experiments.keeping.running import Keeper, Running, Told, exit_code
 from experiments.keeping.watched import Watched
 from experiments.logs import LogReader
-from experiments.regions import FORMATS, Format, check_packages
+from experiments.regions import FILES, Format, check_packages
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, tell
@@ -38,8 +38,8 @@ POSES = "r*.tum"  # of the folder that is watched
 BACK = 1.0  # how far an alarm is traced back [s]
 TOLERANCE = 1e-6  # of the stamps of watched poses [s]
 # What a run leaves in its folder; what is there from an earlier one would be taken for this one's.
-REGIONS = tuple(f"regions.{form}" for form in FORMATS)
-LEFT = ("alarms.csv", "episodes.csv", "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz", RECORDING, *REGIONS)
+PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz")
+LEFT = ("alarms.csv", "episodes.csv", *PROOFS, RECORDING, *FILES.values())
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,19 @@ from typing import Literal, Protocol, get_args
 from experiments.regions.rows import Row
 from filter import InvalidInput
 
-Format = Literal["jsonl", "mcap", "parquet"]
+Format = Literal["jsonl", "mcap", "parquet", "ros2"]
 FORMATS: tuple[Format, ...] = get_args(Format)
 NEEDS: dict[Format, tuple[str, ...]] = {
     "jsonl": (),
     "mcap": ("mcap", "foxglove_schemas_protobuf"),
     "parquet": ("pyarrow",),
+    "ros2": ("mcap",),
+}
+FILES: dict[Format, str] = {
+    "jsonl": "regions.jsonl",
+    "mcap": "regions.mcap",
+    "parquet": "regions.parquet",
+    "ros2": "regions_ros2.mcap",
 }
 
 
@@ -39,12 +46,12 @@ def check_packages(form: Format) -> None:
 
 
 def regions_writer(form: Format, folder: Path) -> Writer:
-    """Return what writes regions in a format, to regions.jsonl, regions.mcap or regions.parquet of a folder.
+    """Return what writes regions in a format, to its one of `FILES` in a folder.
 
     Raises:
         InvalidInput: A package that it needs is not installed.
         OSError: The file cannot be written.
     """
     check_packages(form)
-    made: Writer = import_module(f"experiments.regions.as_{form}").Writer(folder / f"regions.{form}")
+    made: Writer = import_module(f"experiments.regions.as_{form}").Writer(folder / FILES[form])
     return made

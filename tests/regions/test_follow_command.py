@@ -22,7 +22,7 @@ from experiments.follow import Options, main
 from experiments.following.steps import steps
 from experiments.logs import LogReader, tum_line
 from experiments.moving_team import main as moving_team
-from experiments.regions import FORMATS
+from experiments.regions import FILES, FORMATS
 from experiments.show.viewer import NoViewer
 from experiments.watch import main as watch
 from filter import Compass
@@ -81,8 +81,7 @@ def test_by_default_it_leaves_summary_log_trajectories_and_json_lines(log, tmp_p
 
 def test_everything_that_is_asked_for_is_there(done):
     left = sorted(path.name for path in done.iterdir())
-    regions = [f"regions.{form}" for form in FORMATS]
-    assert left == sorted(["follow.rrd", "log.jsonl", *regions, "summary.json", "trajectories"])
+    assert left == sorted(["follow.rrd", "log.jsonl", *FILES.values(), "summary.json", "trajectories"])
     assert rerun("verify", done / "follow.rrd").returncode == 0
     assert len(lines_in(done)) == 16
     assert {line["robot"] for line in lines_in(done)} == {"r0", "r1"}
@@ -131,8 +130,8 @@ def test_a_log_that_is_compressed_or_comes_through_a_pipe_comes_out_plain(log, d
 
 def test_the_same_log_gives_the_same_bytes(log, done, tmp_path):
     assert main([str(log), "--out", str(tmp_path), "--formats", *FORMATS, "--against", "ekf"]) == 0
-    for form in FORMATS:
-        assert (tmp_path / f"regions.{form}").read_bytes() == (done / f"regions.{form}").read_bytes()
+    for name in FILES.values():
+        assert (tmp_path / name).read_bytes() == (done / name).read_bytes()
 
 
 def test_a_log_without_truth_is_checked_against_nothing_and_that_is_said(tmp_path, capsys):
@@ -270,7 +269,7 @@ def test_what_comes_in_is_never_written_over(log, tmp_path, capsys):
 
 
 def test_nothing_of_an_earlier_run_is_left_to_be_taken_for_this_ones(log, tmp_path):
-    stale = ("regions.mcap", "regions.parquet", "certificates.jsonl.gz", "alarms.csv", "follow.rrd")
+    stale = ("regions.mcap", "regions.parquet", "regions_ros2.mcap", "certificates.jsonl.gz", "alarms.csv", "follow.rrd")
     for name in stale:
         (tmp_path / name).write_text("old")
     assert main([str(log), "--out", str(tmp_path)]) == 0
@@ -278,7 +277,7 @@ def test_nothing_of_an_earlier_run_is_left_to_be_taken_for_this_ones(log, tmp_pa
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")
-@pytest.mark.parametrize("name", ["log.jsonl", *(f"regions.{form}" for form in FORMATS), "trajectories/r0_filter.tum"])
+@pytest.mark.parametrize("name", ["log.jsonl", *FILES.values(), "trajectories/r0_filter.tum"])
 def test_a_full_disk_ends_with_one_line_and_no_summary(log, tmp_path, capfd, monkeypatch, name):
     monkeypatch.setattr("experiments.show.output.FRAMES_KEPT", 2)
     (tmp_path / name).parent.mkdir(exist_ok=True)

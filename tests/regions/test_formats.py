@@ -13,7 +13,7 @@ from pyarrow import parquet
 
 from experiments.following.scenarios import from_log
 from experiments.following.steps import steps
-from experiments.regions import FORMATS, regions_writer, rows_of
+from experiments.regions import FILES, FORMATS, regions_writer, rows_of
 from experiments.regions import writers as writers_module
 from experiments.regions.stamps import nanoseconds
 from filter import Compass, ExtendedKalmanFilter, InvalidInput, RobustFilter, SetMembershipFilter
@@ -52,7 +52,7 @@ def written(folder, form, made, beside=None):
     for step, other in zip(made, beside or [None] * len(made), strict=True):
         writer.write(rows_of(NAMES, step.frame.time, step.belief, other and other.belief))
     writer.close()
-    return folder / f"regions.{form}"
+    return folder / FILES[form]
 
 
 def lines_of(path):
@@ -131,6 +131,32 @@ def test_a_polygon_stamped_contains_the_region(tmp_path, sets):
             assert all(float(np.float32(value)) == value for corner in corners for value in corner)
             outer = step.belief.regions[robot].outer
             assert all(inside(corners, corner) for corner in outer.vertices.tolist())
+
+
+def test_a_file_of_ros_alone_has_the_same_polygons_and_poses(tmp_path, sets, kalman):
+    ros, all_of_it = (read_raw(written(tmp_path, form, sets, kalman)) for form in ("ros2", "mcap"))
+    assert sorted(ros) == sorted(f"/{name}/{what}" for name in NAMES for what in ("ekf", "region"))
+    assert {topic: messages for topic, messages in all_of_it.items() if topic != "/regions"} == ros
+
+
+def read_raw(path):
+    """Return the bytes of the messages by topic."""
+    found = {}
+    with path.open("rb") as file:
+        for _, channel, message in make_reader(file).iter_messages():
+            found.setdefault(channel.topic, []).append((message.log_time, message.data))
+    return found
+
+
+def test_another_reader_of_bags_takes_a_file_of_ros_alone(tmp_path, sets):
+    highlevel = pytest.importorskip("rosbags.highlevel")
+    with highlevel.AnyReader([written(tmp_path, "ros2", sets)]) as bag:
+        chosen = [each for each in bag.connections if each.topic == "/alice/region"]
+        read = [(stamp, bag.deserialize(raw, each.msgtype)) for each, stamp, raw in bag.messages(chosen)]
+    assert [stamp for stamp, _ in read] == [nanoseconds(step.frame.time) for step in sets]
+    for (_, message), step in zip(read, sets, strict=True):
+        corners = [(float(point.x), float(point.y)) for point in message.polygon.points]
+        assert all(inside(corners, corner) for corner in step.belief.regions[0].outer.vertices.tolist())
 
 
 def test_foxglove_draws_the_region_itself_with_its_name(tmp_path, sets):

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from experiments.following.metrics import Metrics, rounded
 from filter import Array, Belief, Floats, Frame, GaussianBelief, SetMembershipFilter, Truth, watch, wrap
@@ -17,9 +17,9 @@ Row = dict[str, float | int | str | None]
 
 DIMENSION = 2  # of the error whose normalised square is reported: a position
 USUAL, WIDE = 0.95, 0.997  # what the ellipses are said to contain
-WIDE_SIZE = float(chi2.ppf(WIDE, DIMENSION))
-USUAL_SIZE = float(chi2.ppf(USUAL, DIMENSION))
-WIDE_ANGLE = float(np.sqrt(chi2.ppf(WIDE, 1)))
+WIDE_SIZE = 2 * float(gammaincinv(DIMENSION / 2, WIDE))  # chi-square quantiles; scipy.stats takes a second to load
+USUAL_SIZE = 2 * float(gammaincinv(DIMENSION / 2, USUAL))
+WIDE_ANGLE = float(np.sqrt(2 * gammaincinv(1 / 2, WIDE)))
 THINNEST = 1e-15  # deviation of what is said to be known exactly [m]
 PAIRS_EVERY = 10  # steps between two looks at relative positions: each needs searches of its own
 

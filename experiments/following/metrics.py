@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter import Belief, Fallback, Frame, Guarantee, Rejected, Truth
+from experiments.following.located import inside, points
+from filter import Belief, Fallback, Frame, GaussianBelief, Guarantee, Mask, Rejected, RobustBelief, Truth
+
+Known = Belief | RobustBelief | GaussianBelief  # what a filter knows
 
 Value = float | int | str | bool | None
 DIGITS = 6  # significant ones in a summary, of means and times; counts are exact
@@ -33,7 +36,7 @@ class Escapes:
 class Metrics:
     """Counts and collects, a step at a time.
 
-    A check is one robot at one step whose truth is known.
+    A check is one robot at one step whose truth is known. Of a Kalman filter there is nothing to check: it claims nothing.
 
     Attributes:
         steps: Steps so far.
@@ -66,7 +69,7 @@ class Metrics:
     _seconds: list[float] = field(default_factory=list)
     _square_errors: list[float] = field(default_factory=list)
 
-    def add(self, frame: Frame, belief: Belief, seconds: float) -> Escapes:
+    def add(self, frame: Frame, belief: Known, seconds: float) -> Escapes:
         """Take one step in.
 
         Args:
@@ -81,23 +84,33 @@ class Metrics:
         if self.suspended is None and not belief.guarantee.in_force.all():
             self.suspended = belief.guarantee
         self.measurements += sum(len(record.robot) for record in frame.measurements)
-        self.rows_max = max(self.rows_max, len(belief.constraints))
-        self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
-        self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
         self._seconds.append(seconds)
+        if isinstance(belief, GaussianBelief):
+            self.rejected += belief.rejected
+        else:
+            self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
+        if isinstance(belief, RobustBelief):
+            self._areas += [region.outer.area for region in belief.regions]
+        if isinstance(belief, Belief):
+            self._add_projections(belief)
+        return Escapes() if frame.truth is None else self._check(belief, frame.truth)
+
+    def _add_projections(self, belief: Belief) -> None:
+        self.rows_max = max(self.rows_max, len(belief.constraints))
+        self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
         self._areas += belief.regions.outer.areas.tolist()
         self._ratios += belief.regions.performance_ratios.tolist()
         self._searches += belief.regions.searches.tolist()
-        return Escapes() if frame.truth is None else self._check(belief, frame.truth)
 
-    def _check(self, belief: Belief, truth: Truth) -> Escapes:
-        inside = belief.regions.contains(truth.positions).tolist()
-        within = belief.headings.contains(truth.headings).tolist()
-        errors = np.array([outer.centroid for outer in belief.regions.outer]) - truth.positions
-        self._square_errors += (errors**2).sum(axis=1).tolist()
-        escaped, turned = _missing(inside), _missing(within)
-        self.checks += len(inside)
-        self.heading_checks += len(within)
+    def _check(self, belief: Known, truth: Truth) -> Escapes:
+        placed, turned_so = np.isfinite(truth.positions).all(axis=1), np.isfinite(truth.headings)
+        self._square_errors += ((points(belief) - truth.positions)[placed] ** 2).sum(axis=1).tolist()
+        if isinstance(belief, GaussianBelief):
+            return Escapes()
+        within = belief.headings.contains(np.where(turned_so, truth.headings, 0.0)) | ~turned_so
+        escaped, turned = _missing(inside(belief, truth.positions) | ~placed), _missing(within)
+        self.checks += int(placed.sum())
+        self.heading_checks += int(turned_so.sum())
         self.escapes += len(escaped)
         self.heading_escapes += len(turned)
         self.escapes_in_force += sum(bool(belief.guarantee.in_force[robot]) for robot in (*escaped, *turned))
@@ -126,7 +139,7 @@ class Metrics:
             "performance_ratio_mean": _mean(ratios),
             "performance_ratio_min": rounded(min(ratios)) if ratios else None,
             "searches_mean": _mean(self._searches),
-            "rows_max": self.rows_max,
+            "rows_max": self.rows_max or None,
             "step_median_ms": _quantile(self._seconds, 0.5, 1e3),
             "step_p95_ms": _quantile(self._seconds, 0.95, 1e3),
             "point_rmse_m": rounded(float(np.sqrt(np.mean(self._square_errors)))) if self._square_errors else None,
@@ -148,8 +161,8 @@ def rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def _missing(inside: Sequence[bool]) -> tuple[int, ...]:
-    return tuple(robot for robot, holds in enumerate(inside) if not holds)
+def _missing(holds: Mask) -> tuple[int, ...]:
+    return tuple(np.flatnonzero(~holds).tolist())
 
 
 def _mean(values: Sequence[float]) -> float | None:

@@ -42,6 +42,11 @@ class Scenario:
         """The team."""
         return self.header.team
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(n) what the robots are called."""
+        return tuple(map(self.team.name, range(self.team.robots)))
+
 
 def from_log(path: Path) -> Scenario:
     """Return the scenario of a log.
@@ -49,5 +54,9 @@ def from_log(path: Path) -> Scenario:
     Raises:
         InvalidLog: The file cannot be read, or its head is not as docs/log.md says; a later fault comes with its frame.
     """
-    log = LogReader(path)
+    return of_log(LogReader(path))
+
+
+def of_log(log: LogReader) -> Scenario:
+    """Return the scenario of a log whose head is read; a later fault comes with its frame, as `InvalidLog`."""
     return Scenario(log.header, log.initial, log.frames(), None, np.zeros((0, 4)), 0.0, None)

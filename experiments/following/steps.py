@@ -21,15 +21,25 @@ def warmed_up() -> float:
     return rounded(perf_counter() - begin)
 
 
-def steps(filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None = None) -> Iterator[Step[AnyBelief]]:
+def steps(
+    filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None = None, *, warm: bool = True
+) -> Iterator[Step[AnyBelief]]:
     """Start a filter, and let it follow a scenario; each step takes its time.
 
     A frame is logged before the filter sees it, so that one which the filter refuses can be replayed.
 
+    Args:
+        filter_: Any filter.
+        scenario: What it is given.
+        log: Where that is written, too, or None.
+        warm: Whether to load before all that any filter needs, so that no step waits; without, what is needed is loaded in
+            the first steps, which is sooner done.
+
     Raises:
         CorralError: What the scenario or the filter raises.
     """
-    warmed_up()
+    if warm:
+        warmed_up()
     belief = first_belief(filter_, scenario.header, scenario.initial)
     frames = scenario.frames if log is None else _logged(scenario.frames, log)
     return follow(filter_, belief, frames, perf_counter)

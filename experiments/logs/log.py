@@ -173,6 +173,20 @@ class LogReader:
         except OutOfOrder as error:
             raise InvalidInput(f"a time from {error.belief_time!r} s on", f"{error.time!r} s, which is too late") from None
 
+    def copy(self, path: Path) -> None:
+        """Write the same bytes to another file; a log that is compressed becomes plain.
+
+        Raises:
+            InvalidLog: The log cannot be read, or is compressed but not whole.
+            OSError: The other file cannot be written.
+        """
+        with path.open("wb") as file:
+            file.writelines(self._blocks())
+
+    def _blocks(self) -> Iterator[bytes]:
+        with self._readable():
+            yield from self._file.blocks()
+
     def _records(self) -> Iterator[tuple[int, Record]]:
         """Yield each record after the initial sets, with its line's number."""
         with self._located() as place:

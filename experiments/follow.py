@@ -36,6 +36,7 @@ from filter import ExtendedKalmanFilter, Filter, InvalidInput, Policy, RobustFil
 LOG, RECORDING = "log.jsonl", "follow.rrd"
 POSES = "r*.tum"  # of the folder that is watched
 BACK = 1.0  # how far an alarm is traced back [s]
+EVERY = 0.1  # so long a time is one step, where nothing needs each stamp [s]
 TOLERANCE = 1e-6  # of the stamps of watched poses [s]
 # What a run leaves in its folder; what is there from an earlier one would be taken for this one's.
 PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz")
@@ -66,6 +67,9 @@ class Options:
     """What the regions are written as, see docs/regions.md."""
     recording: bool = False
     """Record follow.rrd, to look at with Rerun."""
+    every: float | None = None
+    """Merge what was measured in so long a time at once, at its last stamp [s]; 0 for a step at every stamp. By default 0.1
+    for a plain run of sets; 0 with --against, --watch or --certificates, for which each stamp counts, and other filters."""
     hops: int | None = None
     """Find each region in the window of the robots so many sightings away, not in the whole team; 1 does for large teams."""
     light: bool = False
@@ -116,15 +120,25 @@ def filter_of(options: Options, team: Team) -> Filter[Any]:
     return make(team, scope=scope, policy=options.policy)
 
 
+def every_of(options: Options) -> float:
+    """Return how long a time is one step [s]."""
+    each = options.filter != "sets" or bool(options.against or options.watch or options.certificates)
+    return options.every if options.every is not None else 0.0 if each else EVERY
+
+
 def _check(options: Options) -> None:
     """Refuse options that would mean nothing together, and files that would be written over."""
-    defaults = {field: getattr(Options, field) for field in ("hops", "light", "policy", "certificates", "watch")}
+    defaults = {field: getattr(Options, field) for field in ("every", "hops", "light", "policy", "certificates", "watch")}
     for name, default in defaults.items():
         if options.filter != "sets" and getattr(options, name) != default:
             raise InvalidInput(f"--filter sets, which alone has --{name}", f"--filter {options.filter}")
     for name in ("against", "recording", "view"):
         if options.filter == "ekf" and getattr(options, name):
             raise InvalidInput(f"a filter with regions for --{name}", "--filter ekf")
+    if options.every:
+        for name in ("against", "watch", "certificates"):
+            if getattr(options, name):
+                raise InvalidInput(f"a step at every stamp for --{name}, as of --every 0", f"--every {options.every:g}")
     for form in options.formats:
         check_packages(form)
     written = {(options.out / name).resolve() for name in (LOG, *LEFT)}
@@ -155,7 +169,7 @@ class Following:
     def __init__(self, options: Options, scenario: Scenario, folder: Path, watching: Watching | None) -> None:
         self._options, self._scenario, self._folder = options, scenario, folder
         self._beside = Beside(scenario) if options.against else None
-        self._running = Running(scenario, Metrics(), self._beside, warm=False)
+        self._running = Running(scenario, Metrics(), self._beside, warm=False, every=every_of(options))
         self._watched = Watched(watching, folder) if watching else None
         self._told: list[Told] = [*self._judges(), *([self._watched] if self._watched else [])]
         self._keepers: list[Keeper] = [*self._recording(), Poses(folder, scenario.team), *self._told]
@@ -197,7 +211,7 @@ class Following:
         if options.filter == "sets":
             told |= {"solver": "exact", "policy": options.policy}
         own: dict[str, Value] = {"filter": options.filter, "formats": " ".join(dict.fromkeys(options.formats))}
-        own |= {"recording": RECORDING if options.recording or options.view else None}
+        own |= {"every_s": every_of(options), "recording": RECORDING if options.recording or options.view else None}
         for keeper in self._told:
             own |= keeper.summary()
         return self._running.summary(told, conflict) | own

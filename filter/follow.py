@@ -12,6 +12,8 @@ from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry
 
+SAME = 1e-9  # so much less than a time that frames are one step is that time, as stamps are rounded
+
 
 class Timed(Protocol):
     """A belief of one time."""
@@ -88,7 +90,8 @@ def follow(
         belief: What it knows before the first frame.
         frames: In order of time; each is taken when its step is asked for.
         clock: What tells the time, such as `time.perf_counter`, as there is no clock in here.
-        every: Frames of so long a time are one step, that of the last of them, for a filter that can `advance` [s].
+        every: Frames of so long a time are one step, for a filter that can `advance` [s]: that of the last of them, or of the
+            last whose truth is known.
     """
     a_filter("a filter", filter_)
     time_of(belief)
@@ -105,12 +108,13 @@ def _together(
 ) -> Iterator[Step[AnyBelief]]:
     waiting = list[Frame]()
     for frame in chain(frames, (None,)):
-        if waiting and (frame is None or instance("a frame", frame, Frame).time >= waiting[0].time + every):
+        while waiting and (frame is None or frame.time - waiting[0].time >= (1 - SAME) * every):
+            told = [place for place, each in enumerate(waiting, 1) if each.truth is not None]
+            some, waiting = waiting[: (told or [len(waiting)])[-1]], waiting[(told or [len(waiting)])[-1] :]
             began, before = now(), belief
-            belief = filter_.advance(belief, waiting)
-            yield Step(waiting[-1], before, belief, now() - began)
-            waiting = []
-        waiting += [frame] if frame is not None else []
+            belief = filter_.advance(belief, some)
+            yield Step(some[-1], before, belief, now() - began)
+        waiting += [] if frame is None else [instance("a frame", frame, Frame)]
 
 
 def _steps(

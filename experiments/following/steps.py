@@ -22,7 +22,7 @@ def warmed_up() -> float:
 
 
 def steps(
-    filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None = None, *, warm: bool = True
+    filter_: Filter[AnyBelief], scenario: Scenario, log: LogWriter | None = None, *, warm: bool = True, every: float = 0.0
 ) -> Iterator[Step[AnyBelief]]:
     """Start a filter, and let it follow a scenario; each step takes its time.
 
@@ -34,6 +34,7 @@ def steps(
         log: Where that is written, too, or None.
         warm: Whether to load before all that any filter needs, so that no step waits; without, what is needed is loaded in
             the first steps, which is sooner done.
+        every: Frames of so long a time are one step; 0 for a step each [s].
 
     Raises:
         CorralError: What the scenario or the filter raises.
@@ -42,7 +43,7 @@ def steps(
         warmed_up()
     belief = first_belief(filter_, scenario.header, scenario.initial)
     frames = scenario.frames if log is None else _logged(scenario.frames, log)
-    return follow(filter_, belief, frames, perf_counter)
+    return follow(filter_, belief, frames, perf_counter, every)
 
 
 def _logged(frames: Iterator[Frame], log: LogWriter) -> Iterator[Frame]:

@@ -61,6 +61,7 @@ class Running:
         beside: The Kalman filter, or None.
         log: Where the frames are written as they come, or None.
         warm: See `steps`.
+        every: See `steps`.
     """
 
     scenario: Scenario
@@ -68,6 +69,7 @@ class Running:
     beside: Beside | None = None
     log: LogWriter | None = None
     warm: bool = True
+    every: float = 0.0
 
     def through(self, filter_: Filter[Any], keepers: Sequence[Keeper]) -> str | None:
         """Go to the end; return None, or what was proved to disagree and stopped the filter.
@@ -80,7 +82,7 @@ class Running:
             with ExitStack() as held, StepProgress(self.scenario.count) as progress:
                 for each in (self.log or nullcontext(), *keepers):
                     held.enter_context(each)
-                for step in steps(filter_, self.scenario, self.log, warm=self.warm):
+                for step in steps(filter_, self.scenario, self.log, warm=self.warm, every=self.every):
                     moment = self._moment(step)
                     for keeper in keepers:
                         keeper.keep(moment)

@@ -17,7 +17,7 @@ from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.sensing.cells import ByCases, Places, Told, by_cases
-from filter.sensing.headings import headings_at, looks_at_a_glance, narrowed_headings
+from filter.sensing.headings import headings_at, narrowed_headings
 from filter.sensing.readings import Readings
 from filter.sensing.rows import as_of_now, bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
@@ -145,13 +145,14 @@ class Merger(Frozen):
         seer, bound = bearings.robot[several], np.maximum(bearings.bound[several], SMALLEST_BAND)
         np.maximum.at(by_heading, seer, read.headings.bound[seer] / bound)
         by_range = worst[:robots]
+        if self.readings.since is not None:  # a step for each instant costs more than what is little in doubt is worth
+            return np.flatnonzero(by_range > INSIDE)
         suspects = np.flatnonzero((by_range > SOON) | (by_heading > SOON_HEADING))
         if not len(suspects):
             return suspects
         before, now = self.polytope, boxed_at_a_glance(merged)
         is_new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
         is_new[self.again] = True
-        is_new &= self.readings.since is None  # a step for each instant costs more than little is worth
         wide = suspects[(is_new | (by_range > INSIDE) | (by_heading > WIDE_HEADING))[suspects]]
         areas = (now.upper - now.lower).prod(axis=1)
         return wide if matter(wide, areas) else NO_ROBOTS
@@ -209,7 +210,7 @@ class Merger(Frozen):
             spans = self._spans(known, BEARINGS, None)
             headings = narrowed_headings(self.headings, self.readings, spans)
             return headings, headings[bearings.robot], None
-        spans = self._spans(known, BEARINGS, looks_at_a_glance(since, self.readings)[1])
+        spans = self._spans(known, BEARINGS, self.readings.moves)
         looks = headings_at(since, self.readings, spans)
         return looks[-robots:], looks[(self.readings.at[BEARINGS] + 1) * robots + bearings.robot], since.moves(looks)
 

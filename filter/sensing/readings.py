@@ -9,7 +9,7 @@ from filter.arrays import Array, Integers
 from filter.linear.sources import NOBODY, Kind, Source, Sources
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.record import field_names
-from filter.sensing.since import Since
+from filter.sensing.since import Moves, Since
 
 KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range", Position: "position"}
 WHO = ("robot", "target")
@@ -28,7 +28,8 @@ class Readings(NamedTuple):
         ranges: (r)
         positions: (p) half-planes
         at: Of which instant each is, for each of the four kinds; zeros if there is but one.
-        since: How robots have moved since these instants; None if there is but one.
+        since: How robots have moved from one instant to the next; None if there is but one.
+        moves: Where they have gone, as compasses and odometry alone tell; None if there is but one.
     """
 
     compasses: Compass
@@ -37,6 +38,7 @@ class Readings(NamedTuple):
     positions: Position
     at: tuple[Integers, Integers, Integers, Integers]
     since: Since | None = None
+    moves: Moves | None = None
 
     @classmethod
     def of(cls, time: float, measurements: Sequence[Measurement], since: Since | None = None) -> "Readings":

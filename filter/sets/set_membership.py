@@ -24,11 +24,11 @@ from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry
 from filter.sensing.cells import ByCases
 from filter.sensing.headings import looks_at_a_glance
-from filter.sensing.motion import displacements, turned_headings
+from filter.sensing.motion import Displacements, displacements, turned_headings
 from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING, placed
-from filter.sensing.since import Since
+from filter.sensing.since import Moves, Since
 from filter.sets.belief import Belief, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.predict import moved
@@ -182,17 +182,19 @@ class SetMembershipFilter(Frozen):
         readings = Readings.of(time, records, since)
         is_over = self.budget.begin() if self.budget else never
         try:
-            found, wide = self._round(self._gone(belief, since, readings), readings, is_over, NO_ROBOTS)
+            looks, moves = looks_at_a_glance(since, readings)
+            gone = self._gone(belief, (time, self.team.arena), moves, looks[-self.team.robots :])
+            found, wide = self._round(gone, readings._replace(moves=moves), is_over, NO_ROBOTS)
         except Inconsistent:
             return None
         return None if len(wide) else found.compact()
 
-    def _gone(self, belief: Belief, since: Since, readings: Readings) -> Belief:
-        """Return the belief at the last of several instants, before what was measured of positions; headings are followed."""
-        looks, moves = looks_at_a_glance(since, readings)
-        time = readings.compasses.time
-        polytope, sources = moved(belief, time, moves, self.team.arena, self.corners)
-        headings = looks[-self.team.robots :]
+    def _gone(
+        self, belief: Belief, until: tuple[float, Array], moves: Displacements | Moves, headings: AngularIntervals
+    ) -> Belief:
+        """Return the belief after moves until some time [s], within an arena, and headings (n) then."""
+        time, arena = until
+        polytope, sources = moved(belief, time, moves, arena, self.corners)
         return Belief(time, polytope, headings, sources, belief.guarantee, projected=belief.projected).compact()
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
@@ -209,8 +211,7 @@ class SetMembershipFilter(Frozen):
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
-        polytope, sources = moved(belief, time, moves, arena, self.corners)
-        return Belief(time, polytope, headings, sources, belief.guarantee, projected=belief.projected).compact()
+        return self._gone(belief, (time, arena), moves, headings)
 
     def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
         """Return whether a belief, after a motion in an arena, is proved to exclude measurements (see `Premises`)."""
@@ -241,8 +242,7 @@ class SetMembershipFilter(Frozen):
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         team = self.team.landmarks, self.tangent_spacing, self.cells
-        since = readings.since
-        start = placed(belief.polytope, readings, numbers, looks_at_a_glance(since, readings)[1] if since else None)
+        start = placed(belief.polytope, readings, numbers, readings.moves)
         merged = Merger(start, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
         pruned, last = self._pruned(merged.polytope), belief.projected

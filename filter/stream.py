@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from heapq import heappop, heappush
 
 import numpy as np
 
@@ -52,7 +53,7 @@ class _Stream:
 
     def __init__(self, team: Team, start: float, hold: float) -> None:
         self._team, self._hold = team, hold
-        self._motions, self._waiting = Motions(team), dict[float, _Asked]()
+        self._motions, self._waiting, self._times = Motions(team), dict[float, _Asked](), list[float]()
         self._done, self._newest, self._first = start, -np.inf, True
 
     def frames(self, arrivals: Iterator[Arrival]) -> Iterator[Frame]:
@@ -71,6 +72,8 @@ class _Stream:
         if isinstance(record, Odometry | Twist):
             self._motions = self._motions.merged(record)
             return
+        if record.time not in self._waiting:
+            heappush(self._times, record.time)
         asked = self._waiting.setdefault(record.time, _Asked())
         if not isinstance(record, Frame):
             self._team.check(record)
@@ -84,7 +87,8 @@ class _Stream:
 
     def _ended(self, old: float) -> Iterator[Frame]:
         """Yield the frames that are older than what may be late."""
-        for time in sorted(time for time in self._waiting if time < old):
+        while self._times and self._times[0] < old:
+            time = heappop(self._times)
             asked, odometry = self._waiting.pop(time), self._motions.between(self._done, time)
             self._done, self._first = time, False
             self._motions = self._motions.since(time)

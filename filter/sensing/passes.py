@@ -244,6 +244,8 @@ class Merger(Frozen):
         """Return whether some direction is wide for its range, or some bearing would narrow a heading now."""
         if (self._inside(read) > SAGITTA).any():
             return True
+        if self.readings.since is not None:  # that costs more than it is worth
+            return False
         bearings = self.readings.bearings
         left = LEFT_OF_A_HEADING * read.headings.bound[bearings.robot] - bearings.bound
         some = np.flatnonzero(left > 0)

@@ -135,9 +135,10 @@ def _spans_then(
     """Return the same where robots have moved since."""
     (robot, target), (by, radius), robots = who, moved, len(polytope.lower)
     fixed, mutual = np.flatnonzero(target >= robots), np.flatnonzero(target < robots)
-    seen = polytope.of_robots(robot[fixed]).polygons.mirrored(landmarks[target[fixed] - robots])
     spans = AngularIntervals.circles(len(robot))
     if len(fixed):
+        own, which = np.unique(robot[fixed], return_inverse=True)
+        seen = polytope.of_robots(own).polygons.select(which).mirrored(landmarks[target[fixed] - robots])
         spans = spans.replaced(fixed, seen.blurred(-by[fixed], radius[fixed]).spans())
     if len(mutual):
         one, other, back = robot[mutual], target[mutual], robot[mutual] > target[mutual]

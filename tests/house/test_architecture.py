@@ -32,6 +32,7 @@ PLAIN = {
     "enum",
     "fractions",
     "functools",
+    "heapq",
     "itertools",
     "math",
     "operator",

@@ -98,6 +98,18 @@ class Belief:
         found = replace(self.found, cause=now[cause]) if self.found else None
         return replace(self, polytope=polytope, found=found, sources=self.sources.select(np.flatnonzero(used)))
 
+    def with_robot(self, robot: int, alone: Belief) -> Belief:
+        """Return what is known if one robot is what another belief says of its only one, whatever was known of it before."""
+        table, number = self.sources.extended("initial set", self.time, [robot])
+        mine, of_others = alone.polytope, (self.constraints.i != robot) & (self.constraints.j != robot)
+        whole = np.ones(len(mine.constraints), dtype=np.int64)
+        own = replace(mine.constraints, j=robot * whole, source=number * whole)
+        lower, upper, origin = self.polytope.lower.copy(), self.polytope.upper.copy(), self.polytope.origin.copy()
+        lower[robot], upper[robot], origin[robot] = mine.lower[0], mine.upper[0], number[0]
+        rows = Constraints.concatenate([self.constraints.select(of_others), own])
+        headings = self.headings.replaced(np.array([robot]), alone.headings)
+        return Belief(self.time, Polytope(rows, lower, upper, origin), headings, table, self.guarantee).compact()
+
     @property
     def constraints(self) -> Constraints:
         """The polytope's rows."""

@@ -120,6 +120,22 @@ class SetMembershipFilter(Frozen):
         rows = Constraints(np.full(len(j), WORLD), j, normals, offsets, numbers[j])
         return Belief(begin, Polytope(rows, lower, upper, numbers), known, sources, Guarantee.full(self.team.robots))
 
+    def placed(self, belief: Belief, robot: int, polygon: Polygon | None, heading: AngularIntervals | None = None) -> Belief:
+        """Return the belief in which a robot is somewhere now, whatever was known of it: it joins, comes back, is put down.
+
+        What is known of the others alone stays. Raises `InvalidInput` if there is no such robot, or no such set in the arena.
+
+        Args:
+            belief: What is known.
+            robot: Which one.
+            polygon: Contains it; None stands for the team's arena.
+            heading: One arc that contains its heading, or None when nothing is known.
+        """
+        self.team.check_belief(belief, Belief, "headings")
+        which = whole_number("robot", robot, 0, self.team.robots - 1)
+        alone = replace(self, team=Team(1, arena=self.team.arena)).start(belief.time, [polygon], heading)
+        return belief.with_robot(which, alone)
+
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
         """Return the belief at a later time [s]; raises `Inconsistent`, too, if a robot has left the arena for sure."""
         self.on_phase("predict")

@@ -78,7 +78,7 @@ class Options:
     """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
     is suspended from then on."""
     certificates: bool = False
-    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
+    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove; for logs of version 1 in lock-step."""
     view: bool = False
     """Show the run in a live viewer while it goes on, and record it."""
 
@@ -98,6 +98,9 @@ def run(options: Options) -> int:
     """
     _check(options)
     log = LogReader(options.log)
+    if options.certificates and log.header.version != 1:
+        expected = "a log of version 1 for --certificates (the proofs of streams are not checked as yet)"
+        raise InvalidInput(expected, f"version {log.header.version}")
     scenario, watching = _watching(options, of_log(log))
     filter_ = filter_of(options, scenario.team)
     folder = _emptied(output_folder(options.out))

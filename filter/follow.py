@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from math import inf
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 from filter.arrays import function, instance, number, one_by_one
+from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.records.frame import Frame
@@ -107,14 +108,27 @@ def _together(
     filter_: Any, belief: AnyBelief, frames: Iterator[Frame], now: Callable[[], float], every: float
 ) -> Iterator[Step[AnyBelief]]:
     waiting = list[Frame]()
-    for frame in chain(frames, (None,)):
-        while waiting and (frame is None or frame.time - waiting[0].time >= (1 - SAME) * every):
-            told = [place for place, each in enumerate(waiting, 1) if each.truth is not None]
+
+    def ended(time: float) -> Iterator[Step[AnyBelief]]:
+        nonlocal belief, waiting
+        while waiting and time - waiting[0].time >= (1 - SAME) * every:
+            told = [place for place, frame in enumerate(waiting, 1) if frame.truth is not None]
             some, waiting = waiting[: (told or [len(waiting)])[-1]], waiting[(told or [len(waiting)])[-1] :]
             began, before = now(), belief
             belief = filter_.advance(belief, some)
             yield Step(some[-1], before, belief, now() - began)
-        waiting += [] if frame is None else [instance("a frame", frame, Frame)]
+
+    fault, frame = None, next(frames, None)
+    while frame is not None:
+        yield from ended(instance("a frame", frame, Frame).time)
+        waiting.append(frame)
+        try:
+            frame = next(frames, None)
+        except InvalidInput as error:  # what came before it counts
+            fault, frame = error, None
+    yield from ended(inf)
+    if fault:
+        raise fault
 
 
 def _steps(

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array, Integers, read_only
 from filter.linear.sources import NOBODY, Kind, Source, Sources
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.record import field_names
@@ -91,7 +91,7 @@ def _sorted(kind: type[Measurement], time: float, measurements: Sequence[Measure
     """Return all measurements of a kind as one record, and of which of some stamps each is."""
     columns = _columns(kind, [each for each in measurements if isinstance(each, kind)], stamps)
     at = columns.pop(AT)
-    return kind.of_checked(time, columns), at
+    return kind.of_checked(time, columns), read_only(at)
 
 
 def _columns(kind: type[Measurement], records: Sequence[Any], stamps: Array) -> dict[str, Any]:

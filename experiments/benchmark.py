@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, rounded
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, rounded
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, print_table, show_table, tell, too_short

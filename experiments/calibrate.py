@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from experiments.against_ekf.figures import LOOK
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value
-from experiments.follow.scenarios import from_log
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value
+from experiments.following.scenarios import from_log
 from experiments.mrclam import numbers_of
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.carried import CarriedBounds

@@ -20,10 +20,10 @@ import numpy as np
 from rich.progress import track
 from scipy import sparse
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, rounded
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import steps
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, rounded
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import steps
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Terminal, print_table

@@ -20,10 +20,10 @@ from experiments.against_ekf.figures import draw_all, nees_band
 from experiments.against_ekf.recording import record
 from experiments.against_ekf.table import kept_every_truth, print_comparison, summary_of, write_csv, write_markdown
 from experiments.against_ekf.tuning import CONSERVATIVE, TUNED
-from experiments.follow.ellipses import DIMENSION
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value
-from experiments.follow.side_by_side import SERIES, Case, compare
+from experiments.following.ellipses import DIMENSION
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value
+from experiments.following.side_by_side import SERIES, Case, compare
 from experiments.paper.merge_orders import compare_orders
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary

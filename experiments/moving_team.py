@@ -9,32 +9,26 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-import numpy as np
-
-from experiments.follow.beside import Beside
-from experiments.follow.metrics import Escapes, Metrics, Value
-from experiments.follow.scenarios import Scenario, from_log
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import Contacts, steps, warmed_up
-from experiments.logs import Certificates, LogWriter
-from experiments.show.command import SUSPENDED, command
-from experiments.show.output import Trajectories, output_folder, write_summary
-from experiments.show.recording import Recording
-from experiments.show.terminal import StepProgress, print_table, tell
-from experiments.show.viewer import open_viewer
-from filter import Belief, Inconsistent, InvalidInput, Policy, SetMembershipFilter, Step, Window
+from experiments.following.beside import Beside
+from experiments.following.metrics import Metrics, Value
+from experiments.following.scenarios import Scenario, from_log
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import warmed_up
+from experiments.keeping.files import Poses, Proofs
+from experiments.keeping.recorded import recorded
+from experiments.keeping.running import Keeper, Running, exit_code
+from experiments.logs import LogWriter
+from experiments.show.command import command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import print_table, tell
+from filter import InvalidInput, Policy, SetMembershipFilter, Window
 from sim.episode import MeasurementChoice, WorldKind, episode
 from sim.errors import ErrorKind
 
 LOG = "log.jsonl"
-PICTURE_EVERY = 1.0  # [s]
-ROUNDING = 1e-9  # of times [s]
-
-
 EXACT = "exact"  # no solver: walks over the vertices
 SOLVERS = SetMembershipFilter.solvers
 
@@ -112,23 +106,16 @@ def run(options: Options) -> int:
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)
     conflict = following.run(team_filter)
-    summary = summary_of(options, scenario, following.metrics) | {"inconsistent": conflict}
+    summary = summary_of(options, following, conflict)
     write_summary(folder, summary)
     print_table(f"moving_team, in {folder}", summary)
     if conflict:
         tell(f"the filter stopped: {conflict}")
     if following.beside.failure:
         tell(f"the EKF's trajectories end early: {following.beside.failure}")
-    if following.metrics.suspended is not None:
-        tell(f"the guarantee is {following.metrics.suspended}")
-    return exit_code(following.metrics, conflict is not None)
-
-
-def exit_code(metrics: Metrics, conflict: bool) -> int:
-    """Return what a run was worth: 1 for a broken promise, else `SUSPENDED` if nothing was promised for a while, else 0."""
-    if metrics.broken or conflict:
-        return 1
-    return 0 if metrics.suspended is None else SUSPENDED
+    if (suspended := following.running.metrics.suspended) is not None:
+        tell(f"the guarantee is {suspended}")
+    return exit_code(following.running.metrics, conflict is not None)
 
 
 def scenario_of(options: Options) -> Scenario:
@@ -164,26 +151,21 @@ class Following:
     """A filter follows a scenario; everything that shall be kept of it is written as it goes on."""
 
     def __init__(self, options: Options, scenario: Scenario, folder: Path) -> None:
-        self.metrics = Metrics()
-        viewer = open_viewer() if options.view else None
-        self._scenario, team = scenario, scenario.team
-        self._contacts = Contacts(team)
-        self._picture = scenario.picture if options.camera else None
-        self._recording = Recording(
-            folder / "moving_team.rrd",
-            team,
-            walls=scenario.walls,
-            wall_height=scenario.wall_height,
-            recording_id=f"moving_team_{options.replay.stem if options.replay else options.seed}",
-            camera=options.camera,
-            inside=options.hops is None,
-            viewer=viewer,
-        )
-        self._trajectories, self.beside = Trajectories(folder, team), Beside(scenario)
-        self._log = LogWriter(folder / LOG, scenario.header, scenario.initial)
-        self._certificates = Certificates(folder, team.landmarks) if options.certificates else None
-        self._pictured = -PICTURE_EVERY
-        self._guarantee = "in force"
+        self.beside = Beside(scenario)
+        self._keepers: list[Keeper] = [
+            recorded(
+                scenario,
+                folder / "moving_team.rrd",
+                f"moving_team_{options.replay.stem if options.replay else options.seed}",
+                inside=options.hops is None,
+                view=options.view,
+                camera=options.camera,
+            ),
+            Poses(folder, scenario.team),
+        ]
+        log = LogWriter(folder / LOG, scenario.header, scenario.initial)
+        self._keepers += [Proofs(folder, scenario.team)] if options.certificates else []
+        self.running = Running(scenario, Metrics(), self.beside, log)
 
     def run(self, team_filter: SetMembershipFilter) -> str | None:
         """Follow to the end; return None, or what was proved to disagree and stopped the filter.
@@ -191,67 +173,17 @@ class Following:
         Raises:
             CorralError: A frame cannot be used.
         """
-        certificates, progress = self._certificates or nullcontext(), StepProgress(self._scenario.count)
-        with self._log, self._recording, self._trajectories, certificates, progress:
-            try:
-                for step in steps(team_filter, self._scenario, self._log):
-                    self._keep(step)
-                    progress.advance(step.frame.time, step.seconds)
-            except Inconsistent as error:
-                self._recording.event(str(error), "ERROR")
-                return str(error)
-        return None
-
-    def _keep(self, step: Step[Belief]) -> None:
-        escapes = self.metrics.add(step.frame, step.belief, step.seconds)
-        self._recording.add(step.frame, step.belief)
-        self._trajectories.write(step.frame, step.belief)
-        if (guess := self.beside.estimate(step.frame)) is not None:
-            self._trajectories.estimate("ekf", step.frame.time, guess.mean[:, :2], guess.mean[:, 2])
-        if self._certificates:
-            self._certificates.write(step)
-        for event in step.belief.events:
-            self._recording.event(str(event), "WARN")
-        self._warrant(step.belief)
-        for words in self._contacts.changes(step.frame):
-            self._recording.event(words)
-        self._report(escapes)
-        if self._picture and step.frame.time - self._pictured >= PICTURE_EVERY - ROUNDING:
-            self._recording.image(self._picture())
-            self._pictured = step.frame.time
-
-    def _warrant(self, belief: Belief) -> None:
-        """Record where the guarantee is suspended, and that it is, once."""
-        suspended = np.flatnonzero(~belief.guarantee.in_force).tolist()
-        if suspended or self._guarantee != "in force":
-            self._recording.suspended({robot: belief.regions[robot].outer for robot in suspended})
-        if str(belief.guarantee) != self._guarantee:
-            self._guarantee = str(belief.guarantee)
-            self._recording.event(f"guarantee {self._guarantee}", "WARN" if suspended else "INFO")
-
-    def _report(self, escapes: Escapes) -> None:
-        for what, robots in (("position", escapes.positions), ("heading", escapes.headings)):
-            for robot in robots:
-                self._recording.event(f"{self._scenario.team.name(robot)}: the {what} escaped", "ERROR")
+        return self.running.through(team_filter, self._keepers)
 
 
-def summary_of(options: Options, scenario: Scenario, metrics: Metrics) -> dict[str, Value]:
+def summary_of(options: Options, following: Following, conflict: str | None) -> dict[str, Value]:
     """Return the run's summary; what a log does not tell is None."""
-    simulated = options.replay is None
-    rate = scenario.header.rate
-    return {
-        "robots": scenario.team.robots,
-        "duration_s": metrics.steps / rate if rate else None,
-        "rate_hz": rate,
-        "seed": options.seed if simulated else None,
-        "errors": options.errors if simulated else None,
-        "solver": options.solver,
-        "policy": options.policy,
-        "measurements_mode": options.measurements if simulated else None,
-        "replay": None if simulated else str(options.replay),
-        "warm_up_s": warmed_up(),
-        **metrics.summary(),
-    }
+    told: dict[str, Value] = {"solver": options.solver, "policy": options.policy, "warm_up_s": warmed_up()}
+    if options.replay is None:
+        told |= {"seed": options.seed, "errors": options.errors, "measurements_mode": options.measurements}
+    else:
+        told |= {"replay": str(options.replay)}
+    return following.running.summary(told, conflict)
 
 
 if __name__ == "__main__":

@@ -16,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.follow.ellipses import WIDE_SIZE
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, guarantee_summary
-from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps, warmed_up
+from experiments.following.ellipses import WIDE_SIZE
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, guarantee_summary
+from experiments.following.scenarios import Scenario
+from experiments.following.steps import steps, warmed_up
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import RobotLog, Run, read_tables, run_of
 from experiments.real_robots.faults import faulty

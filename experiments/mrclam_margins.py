@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value
-from experiments.follow.steps import steps
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value
+from experiments.following.steps import steps
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import read_tables, run_of
 from experiments.real_robots.followed import team_filter

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import Run, read_tables, run_of
 from experiments.real_robots.faults import BEGINS, faulty, next_to

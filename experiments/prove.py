@@ -2,10 +2,11 @@
 
     python -m experiments.prove FOLDER
 
-reads what `python -m experiments.moving_team --certificates` left in FOLDER (see docs/soundness.md): the log, and for each of
-its frames the headings with what made them narrower, a closed polygon of each robot with the proof of every edge, and the
-regions as the recording, the trajectories and the summary show them. Each line is proved in itself (`experiments.proof.line`),
-and each step tied to its measurements and to the steps before (`experiments.proof.chain`). What is on trust is said first.
+reads what `python -m experiments.moving_team --certificates`, or `experiments.follow` with it, left in FOLDER (see
+docs/soundness.md): the log, and for each of its frames the headings with what made them narrower, a closed polygon of each
+robot with the proof of every edge, and the regions as the recording, the trajectories and the summary show them. Each line is
+proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
+(`experiments.proof.chain`). What is on trust is said first.
 
 Exit code: 0 if everything is proved, 1 if something is not or a file is damaged, 2 if a file is not there, 3 if the verdict
 cannot be written.
@@ -22,13 +23,14 @@ from pathlib import Path
 from experiments.proof.chain import Chain
 from experiments.proof.edges import WORLD
 from experiments.proof.log import Frame, Log
-from experiments.proof.reading import Broken, Feed, Record, located
+from experiments.proof.reading import Broken, Feed, Record, located, parsed, shown
 from experiments.proof.recording.recorded import check_recording
 from experiments.proof.shown import Region, checked_region
 from experiments.proof.told import Told
 
 LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz"
-SUMMARY, TRAJECTORY, RECORDING = "summary.json", "trajectories/r{}_filter.tum", "moving_team.rrd"
+SUMMARY, TRAJECTORY = "summary.json", "trajectories/r{}_filter.tum"
+RECORDINGS = ("moving_team.rrd", "follow.rrd")  # the first, where a summary does not say which there is, or that there is none
 BAR = 40  # characters
 TRUST = "on trust: "
 OTHER_ENTITIES = f"{TRUST}entities of the recording that are of no region"
@@ -59,10 +61,19 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
 def _look_for_files(folder: Path, robots: int) -> None:
     """Raise if a file is not there, or is of no robot: to be said before the proof, which takes a while."""
     trajectories = [folder / TRAJECTORY.format(robot) for robot in range(robots)]
-    for path in (*(folder / name for name in (HEADINGS, LINES, REGIONS, SUMMARY, RECORDING)), *trajectories):
+    for path in (*(folder / name for name in (HEADINGS, LINES, REGIONS, SUMMARY)), *_recordings(folder), *trajectories):
         path.stat()
     for path in sorted(set(folder.glob(TRAJECTORY.format("*"))) - set(trajectories)):
         raise Broken(f"{path.name}: a trajectory of a robot that there is not")
+
+
+def _recordings(folder: Path) -> list[Path]:
+    """Return the recording that there has to be, if any; whatever recordings there are will be checked."""
+    with located(SUMMARY):
+        name = parsed((folder / SUMMARY).read_bytes()).get("recording", RECORDINGS[0])
+        if name not in (*RECORDINGS, None):
+            raise Broken(f"a recording among {', '.join(RECORDINGS)} was expected, not {shown(name)}")
+    return [] if name is None else [folder / name]
 
 
 def _shown(folder: Path, told: Told, frames: Sequence[Frame], proved: Sequence[Sequence[Region]]) -> Counter[str]:

@@ -15,8 +15,8 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, rounded
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, rounded
 from experiments.growth.figures import draw_scaling
 from experiments.growth.recording import record_size
 from experiments.growth.run import measure

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, rounded
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, rounded
 from experiments.paper.formations import Formation, draw_formation
 from experiments.paper.recording import record_searches
 from experiments.paper.search_curves import SEARCHES, Curves, curves_of

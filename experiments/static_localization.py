@@ -17,7 +17,7 @@ from time import perf_counter
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.metrics import Value, rounded
+from experiments.following.metrics import Value, rounded
 from experiments.paper.formations import Formation, draw_formation
 from experiments.paper.frames import Localized, Relative, farthest_reference, localize, relative_regions, uncertain_pairs
 from experiments.paper.merge_orders import Spread, spread_over_orders

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.metrics import Value, rounded
-from experiments.follow.side_by_side import Case
+from experiments.following.frozen import keep_within
+from experiments.following.metrics import Value, rounded
+from experiments.following.side_by_side import Case
 from experiments.optimum.figures import draw_budgets, draw_over_time
 from experiments.optimum.history import TANGENTS
 from experiments.optimum.runs import BUDGETS, DEFAULT, Followed, Optimum, Variant, follow, optimum_at

@@ -3,22 +3,26 @@
 Everything that a user names is here: `from filter import SetMembershipFilter, Team`. What is not here may change without
 notice.
 
-Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, measurements, team, guarantee, linear/,
-sensing/, projection/, sets/, robust/, follow, ekf, watch, warm_up.
+Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, joined, motions,
+guarantee, linear/, sensing/, projection/, sets/, robust/, stream, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
-from filter.follow import AnyBelief, Filter, FixedLag, Lagged, Mistimed, Step, follow
+from filter.follow import AnyBelief, Filter, Step, follow
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
+from filter.lag import FixedLag, Lagged, Mistimed
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Frame, Measurement, Odometry, Range, Truth
+from filter.motions import Motions
 from filter.projection.fallback import Fallback
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
+from filter.records.frame import Frame, Truth
+from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
+from filter.records.odometry import Odometry, Twist
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
@@ -30,11 +34,13 @@ from filter.sets.belief import Belief, Event, Rejected
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
+from filter.stream import Arrival, frames_of
 from filter.team import Team
 from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
-__all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Range", "Team", "Truth"]
+__all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Team", "Truth", "Twist"]
+__all__ += ["Arrival", "Motions", "frames_of"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "follow", "warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]

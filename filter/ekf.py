@@ -17,12 +17,15 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.measurements import BELOW_1, TIME, Bearing, Compass, Measurement, Odometry
+from filter.records.measurements import Bearing, Compass, Measurement, Position
+from filter.records.odometry import Odometry
+from filter.records.record import BELOW_1, TIME
 from filter.team import Team
 
 STATES = 3  # x, y, heading
 UNIFORM = 1 / np.sqrt(3)  # standard deviation of a uniform error, relative to its bound
 MOST_OVER_BOUND = 1e6  # a larger deviation over a bound is a slip
+ENDLESS = 1e9  # a position that reaches so far from where a robot is believed to be has no end [m]
 NEAREST = 1e-6  # nearer than this no target has a direction [m]
 FINEST = 1e-15  # no deviation of a reading counts as smaller [m], [rad], ...
 ROUNDING = 2.0**-42  # ... and no variance as a smaller share of the one that the belief expects of the reading
@@ -33,13 +36,14 @@ QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no bel
 class NoiseModel:
     """Standard deviations of the errors, each relative to the declared bound: the one place where the filter is tuned.
 
-    They are those of headings, bearings, ranges, driven distances, turns, the motion's direction, and slip on each axis. Raises
-    `InvalidInput` unless all are above 0 and up to 1e6.
+    They are those of headings, bearings, ranges, positions on each axis, driven distances, turns, the motion's direction, and
+    slip on each axis. Raises `InvalidInput` unless all are above 0 and up to 1e6.
     """
 
     compass: float = UNIFORM
     bearing: float = UNIFORM
     range: float = UNIFORM
+    position: float = UNIFORM
     distance: float = UNIFORM
     turn: float = UNIFORM
     direction: float = UNIFORM
@@ -109,7 +113,8 @@ class ExtendedKalmanFilter(Frozen):
 
     A reading whose declared bound is zero, or finer than doubles can tell beside what is known, counts as exact as they can:
     its variance is no less than a thousand roundings of the variance that the belief expects of it, so that covariances stay
-    positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing.
+    positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing. A
+    position is weighed as the box around it; one without an end on all sides, as a half-plane, tells nothing.
 
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
@@ -142,7 +147,7 @@ class ExtendedKalmanFilter(Frozen):
         time = self.team.check_motion(belief.time, time, odometry)
         duration, moved, F = time - belief.time, belief.mean.copy(), np.eye(belief.mean.size)
         reach, swing = UNIFORM * self.team.speed_limit * duration, UNIFORM * self.team.turn_rate_limit * duration
-        Q = np.diag([reach**2, reach**2, swing**2] * self.team.robots)
+        Q = np.diag(np.stack([reach, reach, swing], axis=1).ravel() ** 2)
         if odometry is not None:
             for k, robot in enumerate(odometry.robot):
                 block = slice(STATES * robot, STATES * robot + STATES)
@@ -161,7 +166,7 @@ class ExtendedKalmanFilter(Frozen):
     def _driven(self, state: Array, odometry: Odometry, k: int) -> tuple[Array, Array, Array]:
         """Return a robot's state after the k-th motion, its Jacobian and the covariance of what the motion adds, (3, 3)."""
         distance, turn, F = odometry.distance[k], odometry.turn[k], np.eye(STATES)
-        way = state[2] + turn / 2
+        way = state[2] + turn / 2 + odometry.aside[k]
         along, across = np.array([np.cos(way), np.sin(way)]), np.array([-np.sin(way), np.cos(way)])
         F[:2, 2] = distance * across
         # Columns: errors of distance, of turn (half of which bends the way), of direction, and slip on both axes.
@@ -175,6 +180,7 @@ class ExtendedKalmanFilter(Frozen):
     @QUIET
     def _merged(self, belief: GaussianBelief, record: Measurement) -> GaussianBelief:
         innovation, H, variance = self._linearised(belief, record)
+        count = len(innovation)
         known = np.abs(H) @ np.sqrt(np.abs(np.diagonal(belief.covariance)))
         variance = np.maximum(variance, FINEST**2 + ROUNDING * known**2)
         if self.gate is not None:
@@ -182,7 +188,7 @@ class ExtendedKalmanFilter(Frozen):
             sizes = np.abs(innovation) / np.sqrt(2 * np.maximum(spread, variance))
             kept = np.array([erfc(size) for size in sizes]) >= 1 - self.gate
             innovation, H, variance = innovation[kept], H[kept], variance[kept]
-        rejected, P = belief.rejected + len(record.robot) - len(innovation), belief.covariance
+        rejected, P = belief.rejected + count - len(innovation), belief.covariance
         try:
             K = np.linalg.solve(H @ P @ H.T + np.diag(variance), H @ P).T
         except np.linalg.LinAlgError:
@@ -203,6 +209,8 @@ class ExtendedKalmanFilter(Frozen):
             H[rows, STATES * robot + 2] = 1
             innovation = wrap(record.heading - belief.mean[robot, 2])
             return innovation, H, (self.noise.compass * record.bound) ** 2
+        if isinstance(record, Position):
+            return self._placed(belief, record)
         bodies = np.concatenate([belief.mean[:, :2], self.team.landmarks])
         away = bodies[record.target] - bodies[robot]
         distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST)
@@ -222,3 +230,17 @@ class ExtendedKalmanFilter(Frozen):
             H[rows, STATES * robot + axis] -= slope[:, axis]
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
+
+    def _placed(self, belief: GaussianBelief, record: Position) -> tuple[Array, Array, Array]:
+        """Return the same of positions: of each robot that has one, the middle of the box around it, where that ends."""
+        found, H = list[tuple[float, float]](), list[Array]()
+        for robot in np.unique(record.robot).tolist():
+            own, place = record.robot == robot, belief.mean[robot, :2]
+            offsets = record.offset[own] - record.normals[own] @ place
+            bounds = Polygon.from_half_planes(record.normals[own], offsets, [-ENDLESS] * 2, [ENDLESS] * 2).bounds
+            for axis, (low, high) in enumerate(zip(*bounds, strict=True)):
+                if max(-low, high) < ENDLESS:
+                    found.append(((low + high) / 2, self.noise.position * (high - low) / 2))
+                    H.append(np.eye(belief.mean.size)[STATES * robot + axis])
+        innovation, deviation = np.array(found).reshape(-1, 2).T
+        return innovation, np.array(H).reshape(-1, belief.mean.size), deviation**2

@@ -1,8 +1,10 @@
 """What is known of a team for good: how many robots, where the landmarks are, how far anything can be."""
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +19,8 @@ from filter.arrays import (
     floats,
     instance,
     number,
+    read_only,
+    settle,
     several,
     shown,
     whole_number,
@@ -24,8 +28,11 @@ from filter.arrays import (
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range, measurements_of
+from filter.records.measurements import Bearing, Compass, Measurement, Position, Range, measurements_of
+from filter.records.odometry import Odometry, Twist
 
+NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names and of paths in recordings
+LIMITS = ("speed_limit", "turn_rate_limit", "acceleration_limit", "turn_acceleration_limit")
 ARENA = "(2, 2) lower corner below upper corner [m], infinite where it is open"
 
 
@@ -35,6 +42,17 @@ def _places(name: str, values: Floats) -> Array:
     if landmarks.ndim != 2 or landmarks.shape[1] != 2:
         raise InvalidInput("landmarks as (l, 2) coordinates", f"shape {landmarks.shape}")
     return landmarks
+
+
+def _limits(name: str, values: Floats) -> Array:
+    limits = floats(name, values)
+    if not (limits >= 0).all():
+        raise InvalidInput(f"{name}: numbers from 0 on, infinity where nobody knows", shown(limits.tolist()))
+    return limits
+
+
+def _endless() -> Array:
+    return np.full(1, np.inf)
 
 
 def _box(name: str, values: Floats) -> Array:
@@ -48,34 +66,83 @@ def _box(name: str, values: Floats) -> Array:
 class Team(Frozen):
     """A team of robots 0, 1, ..., n - 1 among landmarks n, n + 1, ... Raises `InvalidInput` if a value is out of its range.
 
+    Robots and landmarks can have names: `Team(["alice", "bob"], {"gate": [4, 0]}, speed_limit={"alice": 3, "bob": 0})`. Inside
+    they are numbers (see `number_of`); everywhere a person reads they are names.
+
     Attributes:
-        robots: Number of robots n, from 1 to 1 000 000.
-        landmarks: (l, 2) known positions of the landmarks [m].
-        speed_limit: Greatest speed of a robot without odometry [m/s]; 0 for one that never moves.
-        turn_rate_limit: Greatest turn rate of a robot without odometry [rad/s].
+        robots: Number of robots n, from 1 to 1 000 000, or their names.
+        landmarks: (l, 2) known positions of the landmarks, or such by their names [m].
+        speed_limit: (n,) greatest speed of robots without odometry, one for all or each its own [m/s]; 0 for what never moves.
+        turn_rate_limit: (n,) greatest turn rate of robots without odometry, likewise [rad/s].
         arena: (2, 2) lower and upper corner of a box that no robot leaves, not empty [m]; infinite where there is none.
+        names: (n + l,) of robots and landmarks, no two alike: r0, r1, ... and l0, l1, ... unless they were given.
+        acceleration_limit: (n,) how fast the speed of robots changes at most, likewise; infinite where nobody knows [m/s2].
+        turn_acceleration_limit: (n,) how fast their turn rate changes at most, likewise [rad/s2].
     """
 
     robots: int = field(metadata=checked(whole_number, "number of robots", 1, MOST_ROBOTS))
     landmarks: Array = field(default_factory=lambda: np.zeros((0, 2)), metadata=checked(_places, "landmark coordinates [m]"))
-    speed_limit: float = field(default=1.0, metadata=checked(number, "speed limit [m/s]", 0))
-    turn_rate_limit: float = field(default=np.pi, metadata=checked(number, "turn rate limit [rad/s]", 0))
+    speed_limit: Array = field(default_factory=lambda: np.ones(1), metadata=checked(finite, "speed limit [m/s]", 0))
+    turn_rate_limit: Array = field(
+        default_factory=lambda: np.full(1, np.pi), metadata=checked(finite, "turn rate limit [rad/s]", 0)
+    )
     arena: Array = field(default_factory=lambda: np.outer([-np.inf, np.inf], [1, 1]), metadata=checked(_box, "arena"))
+    names: tuple[str, ...] = ()
+    acceleration_limit: Array = field(default_factory=_endless, metadata=checked(_limits, "acceleration limit [m/s2]"))
+    turn_acceleration_limit: Array = field(
+        default_factory=_endless, metadata=checked(_limits, "turn acceleration limit [rad/s2]")
+    )
 
-    if TYPE_CHECKING:  # sequences are taken, arrays are kept
+    if TYPE_CHECKING:  # sequences and mappings are taken, arrays are kept
 
         def __init__(
             self,
-            robots: int,
-            landmarks: Floats = ...,
-            speed_limit: float = ...,
-            turn_rate_limit: float = ...,
+            robots: int | Sequence[str],
+            landmarks: Floats | Mapping[str, Floats] = ...,
+            speed_limit: Floats | Mapping[str, float] = ...,
+            turn_rate_limit: Floats | Mapping[str, float] = ...,
             arena: Floats = ...,
+            names: Sequence[str] = ...,
+            acceleration_limit: Floats | Mapping[str, float] = ...,
+            turn_acceleration_limit: Floats | Mapping[str, float] = ...,
         ) -> None: ...
 
-    def check(self, record: Measurement | Odometry) -> None:
+    def __post_init__(self) -> None:
+        of_robots, of_marks = self._taken_apart()
+        super().__post_init__()
+        robots = of_robots or [f"r{k}" for k in range(self.robots)]
+        marks = of_marks if of_marks is not None else [f"l{k}" for k in range(len(self.landmarks))]
+        count = self.robots + len(self.landmarks)
+        names = names_in(f"one name for each of {count} robots and landmarks", self.names or (*robots, *marks), count)
+        settle(self, names=names, **{limit: self._each(limit) for limit in LIMITS})
+
+    def _taken_apart(self) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
+        """Put numbers and arrays in the place of names and mappings; return the names of robots and of landmarks."""
+        robots: Any = self.robots
+        marks, of_robots, of_marks = self.landmarks, None, None
+        if isinstance(robots, list | tuple):
+            of_robots = names_in("robots", robots)
+            settle(self, robots=len(of_robots))
+        if isinstance(marks, Mapping):
+            of_marks = names_in("landmarks", marks)
+            settle(self, landmarks=list(marks.values()))
+        for limit in LIMITS:
+            if isinstance(values := getattr(self, limit), Mapping):
+                named = of_robots or self.names[: self.robots]
+                if set(values) != set(named):
+                    raise InvalidInput(f"{limit}: one for each of {', '.join(named)}", ", ".join(map(str, values)))
+                settle(self, **{limit: [values[name] for name in named]})
+        return of_robots, of_marks
+
+    def _each(self, limit: str) -> Array:
+        values = getattr(self, limit)
+        if values.shape not in ((), (1,), (self.robots,)):
+            raise InvalidInput(f"{limit}: one, or one for each of {self.robots} robots", f"shape {values.shape}")
+        return read_only(np.broadcast_to(values, self.robots))
+
+    def check(self, record: Measurement | Odometry | Twist) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot or a target that the team does not have."""
-        instance("a record", record, Compass, Bearing, Range, Odometry)
+        instance("a record", record, Compass, Bearing, Range, Position, Odometry, Twist)
         robots, bodies = f"robots 0 to {self.robots - 1}", self.robots + len(self.landmarks)
         marks = f"landmarks {self.robots} to {bodies - 1}" if len(self.landmarks) else "no landmark"
         for role, count, known in (("robot", self.robots, robots), ("target", bodies, f"{robots} and {marks}")):
@@ -104,7 +171,7 @@ class Team(Frozen):
         before, now = number("time of the belief [s]", belief_time), number("time [s]", time)
         if now < before:
             raise OutOfOrder("a prediction", now, before)
-        if max(self.speed_limit, self.turn_rate_limit) * (now - before) > LARGEST:
+        if max(self.speed_limit.max(), self.turn_rate_limit.max()) * (now - before) > LARGEST:
             raise InvalidInput(f"a time until which robots get no farther than {LARGEST:g} m", f"{now!r} s")
         if odometry is not None:
             instance("odometry", odometry, Odometry, type(None))
@@ -132,6 +199,26 @@ class Team(Frozen):
             raise InvalidInput(f"a belief about {self.robots} robots, as the filter's team has", f"one about {robots}")
 
     def name(self, body: int) -> str:
-        """Return a body's short name: r0, r1, ... for robots, l0, l1, ... for landmarks; `InvalidInput` if there is none."""
-        known = whole_number("a body", body, 0, self.robots + len(self.landmarks) - 1)
-        return f"r{known}" if known < self.robots else f"l{known - self.robots}"
+        """Return the name of a robot or a landmark; `InvalidInput` if there is none of that number."""
+        return self.names[whole_number("a body", body, 0, len(self.names) - 1)]
+
+    def number_of(self, name: str) -> int:
+        """Return the number of the robot or the landmark of a name; `InvalidInput` if there is none, with the nearest."""
+        if name not in self.names:
+            near = get_close_matches(str(name), self.names, 1)
+            raise InvalidInput(f"a name of a robot or a landmark{f', as {near[0]}' if near else ''}", shown(name))
+        return self.names.index(name)
+
+
+def names_in(what: str, values: Any, count: int | None = None) -> tuple[str, ...]:
+    """Return names: words of letters, digits, "_", "-" and ".", no two alike, and so many; raises `InvalidInput`."""
+    names = several(f"{what}: names", values, str)
+    wrong = next((name for name in names if not NAME.fullmatch(name)), None)
+    if wrong is not None:
+        raise InvalidInput(f'{what}: names of letters, digits, "_", "-" and ".", 64 at most', shown(wrong))
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InvalidInput(f"{what}: names of robots and landmarks, no two alike", f"{shown(twice)} twice")
+    if count is not None and len(names) != count:
+        raise InvalidInput(what, f"{len(names)} names")
+    return names

@@ -1,6 +1,7 @@
 """Everything that is compiled, made or loaded before it is needed, so that no step of a run has to wait for it."""
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,11 @@ from filter.compiled import MADE
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
+from filter.motions import Motions
 from filter.projection.window import Window
+from filter.records.frame import Frame
+from filter.records.measurements import Bearing, Compass, Measurement, Range
+from filter.records.odometry import Odometry
 from filter.robust.robust_filter import RobustFilter
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -28,6 +32,7 @@ def warm_up() -> int:
     """
     before, team = _made(), Team(len(PLACES), LANDMARKS, 1.0, 1.0, [[-9.0, -9.0], [9.0, 9.0]])
     _follow(SetMembershipFilter(team, policy="reject"))
+    _together(SetMembershipFilter(team))
     _follow(SetMembershipFilter.light(team, scope=Window(hops=1), policy="reject"))
     _follow(SetMembershipFilter(team, exact=False, policy="reject"))
     _follow(RobustFilter(team))
@@ -49,6 +54,20 @@ def _follow(filter_: Any) -> None:
             belief = filter_.update(filter_.predict(belief, odometry.time, odometry), records)
         polygons = [region.outer for region in belief.regions]
         _ = Polygons.of(polygons).areas, [(polygon.area, polygon.centroid) for polygon in polygons]
+
+
+def _together(filter_: SetMembershipFilter) -> None:
+    """Let a filter merge two instants at once, and join what was driven up to them."""
+    boxes, arcs = (
+        [Polygon.box(place - 1, place + 1) for place in PLACES],
+        AngularIntervals(HEADINGS, np.full(len(PLACES), BOUND)),
+    )
+    frames = [Frame(odometry.time, odometry, records) for odometry, records in islice(_scene(), 2)]
+    filter_.advance(filter_.start(0.0, boxes, arcs), frames)
+    motions = Motions(filter_.team)
+    for frame in frames:
+        motions = motions.merged(frame.odometry) if frame.odometry else motions
+    motions.between(DURATION / 2, 2 * DURATION)
 
 
 def _scene() -> Iterator[tuple[Odometry, list[Measurement]]]:

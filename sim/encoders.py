@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from filter import Array, Odometry
-from filter.measurements import interval_of_measured
+from filter.records.measurements import interval_of_measured
 from sim.errors import ErrorKind, Errors
 from sim.sensors import Sensors
 

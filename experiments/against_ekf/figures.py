@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 from scipy.stats import chi2
 
-from experiments.follow.ellipses import DIMENSION
-from experiments.follow.metrics import Value
+from experiments.following.ellipses import DIMENSION
+from experiments.following.metrics import Value
 from experiments.show.colours import PALETTE
 from filter import Array
 from sim.errors import ERROR_KINDS

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from experiments.follow.ellipses import WIDE, WIDE_SIZE
-from experiments.follow.side_by_side import Case, baselines, side_by_side
+from experiments.following.ellipses import WIDE, WIDE_SIZE
+from experiments.following.side_by_side import Case, baselines, side_by_side
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress
 from filter import Alarm, Inconsistent, SetMembershipFilter, Team, watch

@@ -12,9 +12,9 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
-from experiments.follow.ellipses import DIMENSION, Row
-from experiments.follow.metrics import Value, rounded
-from experiments.follow.side_by_side import BASELINES
+from experiments.following.ellipses import DIMENSION, Row
+from experiments.following.metrics import Value, rounded
+from experiments.following.side_by_side import BASELINES
 from experiments.show.terminal import show_table
 from sim.errors import ERROR_KINDS
 

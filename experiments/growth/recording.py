@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from experiments.follow.steps import steps
+from experiments.following.steps import steps
 from experiments.growth.size import Case
 from experiments.show.recording import Recording
 from experiments.show.terminal import StepProgress

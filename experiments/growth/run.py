@@ -9,9 +9,9 @@ from time import perf_counter
 import numpy as np
 
 from experiments.against_ekf.tuning import TUNED
-from experiments.follow.metrics import Metrics, rounded
-from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps, warmed_up
+from experiments.following.metrics import Metrics, rounded
+from experiments.following.scenarios import Scenario
+from experiments.following.steps import steps, warmed_up
 from experiments.growth.size import LEFT_OUT, Case, Size
 from experiments.sweep.own_process import peak_memory_mib
 from filter import PHASES, Belief, ExtendedKalmanFilter, Frame, Inconsistent, SetMembershipFilter, Step, Window

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from experiments.follow.scenarios import Scenario
-from experiments.follow.simulated import from_simulator
+from experiments.following.scenarios import Scenario
+from experiments.following.simulated import from_simulator
 from sim.episode import WorldKind, episode
 from sim.errors import ErrorKind
 

@@ -2,19 +2,34 @@
 
 from experiments.logs.certificates import Certificates
 from experiments.logs.log import InvalidLog, LogReader, LogWriter
-from experiments.logs.records import Header, InitialSet, first_belief, initial_headings
+from experiments.logs.records import (
+    FrameEnd,
+    Header,
+    InitialSet,
+    Joined,
+    Left,
+    Record,
+    TruthAt,
+    first_belief,
+    initial_headings,
+)
 from experiments.logs.text import TextFile
 from experiments.logs.tum import Trajectory, find_trajectories, read_trajectory, tum_line
 
 __all__ = [
     "Certificates",
+    "FrameEnd",
     "Header",
     "InitialSet",
     "InvalidLog",
+    "Joined",
+    "Left",
     "LogReader",
     "LogWriter",
+    "Record",
     "TextFile",
     "Trajectory",
+    "TruthAt",
     "find_trajectories",
     "first_belief",
     "initial_headings",

@@ -8,9 +8,9 @@ from time import perf_counter
 
 import numpy as np
 
-from experiments.follow.metrics import Metrics
-from experiments.follow.side_by_side import Case
-from experiments.follow.steps import steps
+from experiments.following.metrics import Metrics
+from experiments.following.side_by_side import Case
+from experiments.following.steps import steps
 from experiments.optimum.history import History, optimum
 from filter.arrays import Array
 from filter.errors import Inconsistent

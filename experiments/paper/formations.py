@@ -16,6 +16,7 @@ import numpy as np
 
 from experiments.paper.merge_orders import StaticCase, places
 from experiments.paper.reference import Unbounded, bounded_box
+from filter import Bearing
 from filter.arrays import Array, Floats, Integers, finite, read_only, whole
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
@@ -23,7 +24,6 @@ from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import Workspace, deepest_point, workspace
-from filter.measurements import Bearing
 from filter.projection.proved import Projection
 from filter.projection.search import project
 from filter.projection.stop import Budget, Stop, never

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.follow.metrics import rounded
+from experiments.following.metrics import rounded
+from filter import Bearing
 from filter.arrays import Array
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

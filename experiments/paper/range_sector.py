@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from filter import Range
 from filter.arrays import Array
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Range
 from filter.sensing.rows import bearing_rows, range_rows
 
 DISTANCE = 1.0  # areas are compared, so that any distance will do [m]

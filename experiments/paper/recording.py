@@ -12,8 +12,8 @@ from experiments.paper.formations import Formation
 from experiments.paper.frames import localize
 from experiments.show.recording import Recording
 from experiments.show.terminal import Counting
+from filter import Frame, Truth
 from filter.arrays import Array
-from filter.measurements import Frame, Truth
 from filter.projection.stop import Stop
 from filter.team import Team
 

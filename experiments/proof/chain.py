@@ -182,7 +182,7 @@ class Chain:
         if link is None and row["i"] < 0 and not now:
             start = max(normal[0] * x + normal[1] * y for x, y in self._log.vertices[row["j"]])
             link = "rows of initial sets" if start + self._support(0, row["j"], normal) <= offset else None
-        if link is None and kind in ("bearing", "range"):
+        if link is None and kind in ("bearing", "range", "position"):
             taken = self._number(time)
             then = offset - self._growth((*pair, normal, taken))
             link = of_measurement(self._instants[taken], pair, source, normal, then)

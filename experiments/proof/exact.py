@@ -224,7 +224,8 @@ class Motion:
         """Return how a robot can have moved, from a heading on [rad]."""
         turn, turned, skew = abs(driven["turn"]), driven["turn_bound"], driven["direction_bound"]
         full = turn + turned >= 2 * (PI - PI_ROUNDING)
-        arc = Arc(-CIRCLE, CIRCLE) if full else heading.widened(driven["turn"] / 2, turned / 2 + skew)
+        way = driven["turn"] / 2 + driven.get("aside", Fraction(0))
+        arc = Arc(-CIRCLE, CIRCLE) if full else heading.widened(way, turned / 2 + skew)
         least, greatest = driven["distance"] - driven["distance_bound"], driven["distance"] + driven["distance_bound"]
         return cls(arc, least, greatest, (turn + turned) / 2 + skew, driven["slip_bound"])
 

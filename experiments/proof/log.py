@@ -20,7 +20,9 @@ COLUMNS = {
     "compass": ("heading", "bound"),
     "bearing": ("bearing", "bound"),
     "range": ("range", "bound", "relative_bound"),
+    "position": ("normal_x", "normal_y", "offset"),
 }
+ASIDE = "aside"  # a column of odometry that need not be there
 BOUNDS = {"distance_bound", "turn_bound", "direction_bound", "slip_bound", "bound", "relative_bound", "range"}
 Reading = dict[str, Fraction]
 Who = tuple[str, int, int | None]  # kind, robot, target
@@ -55,7 +57,7 @@ class Log:
         robots: How many.
         landmarks: Where they are [m].
         arena: Lower and upper corner, None for a coordinate without a limit [m].
-        speed, turn_rate: The limits of a robot without odometry [m/s] [rad/s].
+        speed, turn_rate: The limits of each robot, where it has no odometry [m/s] [rad/s].
         start: When the initial sets hold [s].
         rate: Frames a second [Hz], or None.
         vertices: For each robot the corners of its initial set [m].
@@ -90,9 +92,16 @@ class Log:
         self.landmarks = [_point(point) for point in fields["landmarks"]]
         least, greatest = fields["arena"]
         self.arena = [[None if value is None else number(value) for value in (x, y)] for x, y in (least, greatest)]
-        self.speed, self.turn_rate = (Fraction(number(fields[name], 0)) for name in ("speed_limit", "turn_rate_limit"))
+        self.speed, self.turn_rate = (self._limits(fields[name]) for name in ("speed_limit", "turn_rate_limit"))
         self.start, rate = number(fields["start"]), fields["rate"]
         self.rate = None if rate is None else number(rate, 0)
+
+    def _limits(self, value: Any) -> list[Fraction]:
+        """Return a limit of each robot: one for all, or a list."""
+        each = value if isinstance(value, list) else [value] * self.robots
+        if len(each) != self.robots:
+            raise Broken(f"a limit for each of {self.robots} robots was expected, not {len(each)}")
+        return [Fraction(number(limit, 0)) for limit in each]
 
     def _initial(self, record: Record) -> tuple[int, tuple[list[Vector], Arc]]:
         fields = _fields(record, "initial", {"robot", "vertices", "heading"})
@@ -142,16 +151,16 @@ class Log:
 
     def _readings(self, kind: str, record: Record, since: float) -> Iterator[tuple[Who, dict[str, float]]]:
         seen = {"target", "landmark"} & set(record) if kind in ("bearing", "range") else set()
+        seen |= {ASIDE} & set(record) if kind == "odometry" else set()
         others = {"time", "robot", *(("start",) if kind == "odometry" else ())}
         fields = _fields(record, kind, {*others, *COLUMNS[kind], *seen})
+        names = (*COLUMNS[kind], *({ASIDE} & seen))
         if kind == "odometry" and (fields["start"] != since or since == fields["time"]):
             raise Broken(f"odometry from t = {shown(fields['start'])} s on, where the frame before is of {since} s")
         whose = [*_columns([fields["robot"], fields.get("target"), fields.get("landmark")])]
-        numbers = [*_columns([fields[name] for name in COLUMNS[kind]], len(whose))]
+        numbers = [*_columns([fields[name] for name in names], len(whose))]
         for (robot, mate, mark), row in zip(whose, numbers, strict=True):
-            values = {
-                name: number(value, 0 if name in BOUNDS else None) for name, value in zip(COLUMNS[kind], row, strict=True)
-            }
+            values = {name: number(value, 0 if name in BOUNDS else None) for name, value in zip(names, row, strict=True)}
             if values.get("relative_bound", 0) >= 1:
                 raise Broken("a relative bound of 1 or more")
             target = self._target(mate, mark) if kind in ("bearing", "range") else None
@@ -170,15 +179,15 @@ class Log:
         circle, found = Arc(-CIRCLE, CIRCLE), list[Motion]()
         for robot, heading in enumerate(headings):
             driven = frame.of("odometry", robot)
-            anyhow = Motion(circle, Fraction(0), Fraction(0), CIRCLE, self.speed * duration)
+            anyhow = Motion(circle, Fraction(0), Fraction(0), CIRCLE, self.speed[robot] * duration)
             found.append(Motion.of_odometry(driven[0], heading) if driven else anyhow)
         return found
 
     def turned(self, frame: Frame, since: float, headings: Sequence[Arc]) -> list[Arc]:
         """Return the robots' headings at a frame as they follow from those before."""
-        most = self.turn_rate * (Fraction(frame.time) - Fraction(since))
-        anyhow = {"turn": Fraction(0), "turn_bound": most}
-        driven = [(frame.of("odometry", robot) or [anyhow])[0] for robot in range(self.robots)]
+        duration = Fraction(frame.time) - Fraction(since)
+        anyhow = [{"turn": Fraction(0), "turn_bound": limit * duration} for limit in self.turn_rate]
+        driven = [(frame.of("odometry", robot) or [anyhow[robot]])[0] for robot in range(self.robots)]
         return [arc.widened(one["turn"], one["turn_bound"]) for arc, one in zip(headings, driven, strict=True)]
 
 

@@ -10,6 +10,7 @@ from experiments.proof.reading import Record
 from experiments.proof.sides import Sides
 
 BEARING, FAR = "rows of bearings, from the log", "rows of ranges, far side, from the log"
+PLACED = "rows of positions, from the log"
 NEAR = "rows of ranges, near side, from the log"
 DIRECTION = "rows of directions of ranges, which are proved"
 NEAR_OF_SIDES = "rows of ranges, near side, over a narrower arc that is proved"
@@ -43,6 +44,10 @@ def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal:
         offset: The row's, before anybody moved.
     """
     robot, target, (x, y), robots = source["robot"], source["target"], normal, then.log.robots
+    if source["kind"] == "position":
+        own = then.frame.of("position", robot) if pair == (-1, robot) else []
+        same = [one["offset"] for one in own if (one["normal_x"], one["normal_y"]) == normal]
+        return PLACED if any(bound <= offset for bound in same) else None
     if pair[0] < 0 and target is not None and target >= robots and robot == pair[1]:
         mark = then.log.landmarks[target - robots]
         x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])  # of the landmark, seen from the robot

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from experiments.follow.frozen import keep_within
+from experiments.following.frozen import keep_within
 from filter import Array, Floats, InvalidInput
 
 DEGREE = np.pi / 180

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.follow.frozen import keep_within
+from experiments.following.frozen import keep_within
 from experiments.real_robots.bounds import DEGREE
 from experiments.real_robots.motion import Motions
 from filter import Array, Bearing, Floats, Frame, Measurement, Odometry, Range

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
+from experiments.following.frozen import freeze
 from experiments.real_robots.bounds import DEGREE, Bounds
 from experiments.real_robots.carried import Carried, CarriedBounds
 from experiments.real_robots.data import Run

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
+from experiments.following.frozen import freeze
 from experiments.logs import TextFile
 from filter import Array, InvalidInput
 

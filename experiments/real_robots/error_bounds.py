@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from experiments.follow.metrics import Value, rounded
+from experiments.following.metrics import Value, rounded
 from experiments.real_robots.bounds import Bounds, Knots
 from experiments.real_robots.carried import CarriedBounds
 from experiments.real_robots.errors import LENGTHS, Errors

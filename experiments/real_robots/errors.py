@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
-from experiments.follow.metrics import rounded
+from experiments.following.frozen import freeze
+from experiments.following.metrics import rounded
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import Run
 from experiments.real_robots.frames import Readings, truth_at
 from experiments.real_robots.motion import Motions
-from filter import Array, Bearing, Compass, Frame, Integers, Mask, Measurement, Odometry, Team, Truth, wrap
+from filter import Array, Bearing, Compass, Frame, Integers, Mask, Odometry, Position, Range, Team, Truth, wrap
 
 LENGTHS = (0.1, 1.0, 10.0)  # of the intervals in which motion is judged [s]
 ROUNDING = 1e-9  # an error that is at its bound does not break it [m] [rad]
@@ -54,13 +54,14 @@ class Errors:
 def sensor_errors(frames: Iterable[Frame], team: Team) -> list[Errors]:
     """Return the errors of all measurements and of the odometry since the frame before, kind by kind, where truth is known.
 
-    A frame's odometry is judged by its turn alone: the way of a robot between two frames is not known to a log.
+    A frame's odometry is judged by its turn alone: the way of a robot between two frames is not known to a log. Positions have
+    no error that could be told from their bound, and are left out.
     """
     rows: dict[str, list[Array]] = {}
     before: Truth | None = None
     for frame in frames:
         if frame.truth is not None:
-            for record in frame.measurements:
+            for record in (each for each in frame.measurements if not isinstance(each, Position)):
                 rows.setdefault(type(record).__name__.lower(), []).append(_measured(record, frame.truth, team))
             if frame.odometry is not None and before is not None:
                 rows.setdefault("turn", []).append(_turned(frame.odometry, before, frame.truth))
@@ -73,7 +74,7 @@ def _errors(kind: str, table: Array) -> Errors:
     return Errors(kind, known[:, 0].astype(np.int64), known[:, 1], known[:, 2], known[:, 3], known[:, 4] > 0)
 
 
-def _measured(record: Measurement, truth: Truth, team: Team) -> Array:
+def _measured(record: Compass | Bearing | Range, truth: Truth, team: Team) -> Array:
     """Return (k, 5) robot, time, error, true value and whether the bound is broken."""
     if isinstance(record, Compass):
         true, said, robot = truth.headings[record.robot], record.heading, record.robot

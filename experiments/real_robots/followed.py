@@ -9,9 +9,9 @@ from time import perf_counter
 
 import numpy as np
 
-from experiments.follow.located import Located
-from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import warmed_up
+from experiments.following.located import Located
+from experiments.following.scenarios import Scenario
+from experiments.following.steps import warmed_up
 from experiments.logs import first_belief, initial_headings
 from experiments.real_robots.carried import Carried
 from experiments.real_robots.motion import Motions

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from experiments.follow.frozen import keep_within
-from experiments.follow.scenarios import CORNERS, Scenario
+from experiments.following.frozen import keep_within
+from experiments.following.scenarios import CORNERS, Scenario
 from experiments.logs import Header, InitialSet
 from experiments.real_robots.bounds import DEGREE, Bounds
 from experiments.real_robots.data import DECIMALS, Run

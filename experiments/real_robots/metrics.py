@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from experiments.follow.ellipses import WIDE_SIZE, ellipse_areas, normalised_squares
-from experiments.follow.frozen import freeze
-from experiments.follow.metrics import Value, rounded
+from experiments.following.ellipses import WIDE_SIZE, ellipse_areas, normalised_squares
+from experiments.following.frozen import freeze
+from experiments.following.metrics import Value, rounded
 from experiments.real_robots.followed import Followed
 from filter import Array, Bearing, Frame, GaussianBelief, Guarantee, Integers, Mask
 

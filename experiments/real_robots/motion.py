@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
+from experiments.following.frozen import freeze
 from experiments.real_robots.bounds import Bounds, bound_over
 from experiments.real_robots.data import Run
 from filter import Array, Floats, InvalidInput

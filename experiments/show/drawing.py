@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from experiments.follow.located import Located
+from experiments.following.located import Located
 from filter import Array, Bearing, Frame, Polygon, Range, Region, Team, Truth
 
 TRAIL = 8.0  # how long a robot's way stays to be seen [s]

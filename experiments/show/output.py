@@ -11,10 +11,10 @@ from types import TracebackType
 
 import numpy as np
 
-from experiments.follow.located import Located
-from experiments.follow.metrics import Value
+from experiments.following.located import Located, directions, points
+from experiments.following.metrics import Value
 from experiments.logs import tum_line
-from filter import Array, Frame, InvalidInput, Team
+from filter import Array, Frame, GaussianBelief, InvalidInput, Team
 
 FRAMES_KEPT = 100  # so many are written at a time: a file for each of many robots cannot be open all along
 
@@ -59,7 +59,8 @@ class Trajectories:
     """Writes `trajectories/r0_filter.tum` (and `r0_truth.tum` where it is known) of every robot, as a run goes on.
 
     TUM's format, a line a frame: t x y z qx qy qz qw, one blank between. The filter's position is the centroid of the outer
-    polygon, its heading the centre of the interval. Floats are written so that they come back exactly.
+    polygon, its heading the centre of the interval; a Kalman filter's are its means. Floats are written so that they come back
+    exactly.
 
     Use as a context manager, or call `close`.
     """
@@ -73,10 +74,9 @@ class Trajectories:
         self._lines: dict[str, list[str]] = defaultdict(list)
         self._frames = 0
 
-    def write(self, frame: Frame, belief: Located) -> None:
+    def write(self, frame: Frame, belief: Located | GaussianBelief) -> None:
         """Append one frame."""
-        centroids = np.array([region.outer.centroid for region in belief.regions])
-        self.estimate("filter", frame.time, centroids, belief.headings.centre)
+        self.estimate("filter", frame.time, points(belief), directions(belief))
         if frame.truth is not None:
             self.estimate("truth", frame.time, frame.truth.positions, frame.truth.headings)
         self._frames += 1

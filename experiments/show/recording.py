@@ -21,7 +21,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from experiments.follow.located import Located
+from experiments.following.located import Located
 from experiments.show.blueprint import BACKGROUND, INDIVIDUALLY, blueprint
 from experiments.show.colours import Colour, colour_of, mixed
 from experiments.show.drawing import (

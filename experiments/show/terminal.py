@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from experiments.follow.metrics import Value
+from experiments.following.metrics import Value
 
 Result = TypeVar("Result")
 WIDTH = 160  # of tables that no terminal shows, for a file or a pipe [characters]

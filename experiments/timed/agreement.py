@@ -7,8 +7,8 @@ from time import process_time
 
 import numpy as np
 
-from experiments.follow.side_by_side import Case
-from experiments.follow.steps import steps
+from experiments.following.side_by_side import Case
+from experiments.following.steps import steps
 from experiments.sweep.timing import clocked
 from experiments.timed.ways import EXACT, Problem, by_kernel
 from filter.projection.proved import certified_offsets

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from filter import Bearing, Range
 from filter.arrays import Array
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Range
 from filter.sensing.rows import bearing_rows, on_robots, range_rows, world_arcs
 
 COLUMNS = 4

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
-from experiments.logs import Trajectory, read_trajectory
+from experiments.following.frozen import freeze
+from experiments.logs import Trajectory, find_trajectories, read_trajectory
 from filter import Array
 
 
@@ -50,11 +50,12 @@ class Claimed:
         return range(*np.searchsorted(self.times, [after, until], side="right").tolist())
 
 
-def read_claims(files: Mapping[str, Mapping[int, Path]], robots: int, offset: float) -> tuple[Claimed, ...]:
-    """Return what each estimator claims, from its file of each robot.
+def claims_in(place: Path, pattern: str, robots: int, offset: float) -> tuple[Claimed, ...]:
+    """Return what each estimator claims of so many robots: of one file, or of those in a folder, see `find_trajectories`.
 
     Raises:
-        InvalidInput: A file is no trajectory.
+        InvalidInput: There is none, a name tells no robot, or a file is no trajectory.
     """
+    files = find_trajectories(place, pattern, robots)
     read = {name: {robot: read_trajectory(path) for robot, path in of.items()} for name, of in files.items()}
     return tuple(Claimed.of(name, trajectories, robots, offset) for name, trajectories in read.items())

@@ -9,7 +9,7 @@ import numpy as np
 
 from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.reach import Reach
-from filter import Alarm, Array, Belief, Mask, watch
+from filter import Alarm, Array, Belief, Frame, InvalidInput, Mask, Team, watch
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,3 +81,19 @@ class Judge:
             known = verdict.alarms.get(alarm.robot)
             if known is None or alarm.distance > known.distance:
                 verdict.alarms[alarm.robot], verdict.moved[alarm.robot] = alarm, float(moved[alarm.robot])
+
+
+def judge_of(team: Team, frames: Sequence[Frame], claims: Sequence[Claimed], tolerance: float) -> Judge:
+    """Return a judge for what is claimed of a team that is given some frames.
+
+    Raises:
+        InvalidInput: There is no frame, or no pose in their time.
+    """
+    if not frames:
+        raise InvalidInput("a log with at least one frame", "none")
+    judge = Judge(Reach.of(team, frames), tolerance)
+    if not any(claimed.poses(judge.first, judge.last) for claimed in claims):
+        begin, end = min(claimed.times[0] for claimed in claims), max(claimed.times[-1] for claimed in claims)
+        span = f"poses between {judge.first:.3f} s and {judge.last:.3f} s, the log's first and last frame (see --offset)"
+        raise InvalidInput(span, f"poses from {begin:.3f} s to {end:.3f} s")
+    return judge

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.follow.frozen import freeze
+from experiments.following.frozen import freeze
 from filter import Array, Frame, Team
 
 ROUNDING = 1e-9  # of sums of lengths, by far [m]
@@ -37,7 +37,7 @@ class Reach:
     @classmethod
     def of(cls, team: Team, frames: Sequence[Frame]) -> Reach:
         """Return how far a team can get that was given these frames, of which there is at least one."""
-        times, speeds = np.array([frame.time for frame in frames]), np.full((len(frames), team.robots), team.speed_limit)
+        times, speeds = np.array([frame.time for frame in frames]), np.tile(team.speed_limit, (len(frames), 1))
         for place, frame in enumerate(frames[1:]):
             if (driven := frame.odometry) is not None:
                 path = np.abs(driven.distance) + driven.distance_bound + driven.slip_bound

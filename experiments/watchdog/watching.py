@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps
+from experiments.following.scenarios import Scenario
+from experiments.following.steps import steps
 from experiments.show.terminal import StepProgress
 from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.episodes import Episode, Episodes
@@ -33,7 +33,7 @@ class Watching:
     def __init__(self, judge: Judge, claims: Sequence[Claimed], back: float) -> None:
         """Prepare for alarms to be traced back so far [s]."""
         self.judge, self.claims, self.checks, self.alarms = judge, claims, 0, 0
-        self._back, self._steps, self._episodes = back, deque[Step[Belief]](), Episodes()
+        self._back, self._steps, self._episodes, self._frame = back, deque[Step[Belief]](), Episodes(), 0
 
     @property
     def episodes(self) -> Sequence[tuple[Episode, str]]:
@@ -49,10 +49,20 @@ class Watching:
         with path.open("w", encoding="utf-8", newline="") as file, StepProgress(scenario.count) as progress:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(ALARM)
-            for frame, step in enumerate(steps(SetMembershipFilter(scenario.team), scenario)):
-                self._remember(step)
-                writer.writerows(row for claimed in self.claims for row in self._judged(frame, claimed))
+            for step in steps(SetMembershipFilter(scenario.team), scenario):
+                writer.writerows(self.judged(step))
                 progress.advance(step.frame.time, step.seconds)
+        self.end()
+
+    def judged(self, step: Step[Belief]) -> list[tuple[object, ...]]:
+        """Judge every pose since the frame before that of the next step; return a row of `ALARM` for every alarm."""
+        self._remember(step)
+        rows = [row for claimed in self.claims for row in self._judged(self._frame, claimed)]
+        self._frame += 1
+        return rows
+
+    def end(self) -> None:
+        """End the episodes that go on: there is no further step."""
         self._episodes.end()
 
     def _remember(self, step: Step[Belief]) -> None:

@@ -82,6 +82,13 @@ class Polygons(Lists, Sequence[Polygon]):
         offsets = self.offsets - (self.normals * where).sum(axis=1) + rounding[self.owner]
         return Polygons(-self.normals, offsets, where - self.vertices, self.margin + rounding, self.first)
 
+    def blurred(self, by: Array, radius: Array) -> Polygons:
+        """Return polygons around {x + v : v in a disc about (n, 2) of radius (n,)} [m]."""
+        moved, largest = by[self.owner], np.maximum.reduceat(np.abs(self.vertices).max(axis=1), self.first[:-1])
+        outward = radius + 4 * EPSILON * (np.abs(by).sum(axis=1) + largest)
+        offsets = self.offsets + (self.normals * moved).sum(axis=1) + outward[self.owner]
+        return Polygons(self.normals, offsets, self.vertices + moved, self.margin + outward, self.first)
+
     def turned_about(self, which: Mask) -> Polygons:
         """Return {-x} where (n,) says so, and {x} elsewhere: exact."""
         sign = np.where(which[self.owner], -1.0, 1.0)[:, None]

@@ -10,7 +10,7 @@ import numpy as np
 from filter.arrays import Array, Floats, Integers, Table
 
 Kind = Literal[
-    "initial set", "compass", "bearing", "range", "sighting", "odometry", "heading", "region", "cells",
+    "initial set", "compass", "bearing", "range", "position", "sighting", "odometry", "heading", "region", "cells",
     "pair", "speed limit", "turn limit", "arena",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -22,10 +22,10 @@ class Source:
     """What produced a constraint.
 
     Attributes:
-        kind: A measurement ("compass", "bearing", "range", or "sighting" for a bearing with its range), a motion ("odometry",
-            or the "speed limit" or "turn limit" of a robot without), the "arena" that no robot leaves, or what was known
-            before: an "initial set", a "heading", a "region", an earlier outer polygon, or rows on a "pair"; or "cells", all
-            readings of one time that concern a robot, with what was known of its pose.
+        kind: A measurement ("compass", "bearing", "range", "position", or "sighting" for a bearing with its range), a motion
+            ("odometry", or the "speed limit" or "turn limit" of a robot without), the "arena" that no robot leaves, or what was
+            known before: an "initial set", a "heading", a "region", an earlier outer polygon, or rows on a "pair"; or "cells",
+            all readings of one time that concern a robot, with what was known of its pose.
         time: When [s].
         robot: Who measured, or of whom it is said.
         target: What was measured, the other robot of a pair, or None.
@@ -65,8 +65,13 @@ class Sources(Table):
         kind, time, robot, target = (column[number].item() for column in self.columns)
         return Source(KINDS[kind], time, robot, None if target == NOBODY else target)
 
-    def extended(self, kind: Kind, time: float, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
+    def extended(self, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
         """Return the table with (k) more entries, and their numbers."""
         robots, targets = np.broadcast_arrays(np.asarray(robot, dtype=np.int64), np.asarray(target, dtype=np.int64))
-        more = Sources(np.full(len(robots), KINDS.index(kind)), np.full(len(robots), time), robots, targets)
+        more = Sources(
+            np.full(len(robots), KINDS.index(kind)),
+            np.broadcast_to(np.asarray(time, dtype=float), robots.shape),
+            robots,
+            targets,
+        )
         return Sources.concatenate([self, more]), np.arange(len(self), len(self) + len(robots))

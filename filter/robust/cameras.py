@@ -124,16 +124,20 @@ class Offsets(Frozen):
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2)[:, 3:])
 
     def moved(self, distance: Array, turn: Array, aside: Array, duration: float, rules: Alignment) -> Offsets:
-        """Return the estimates after moves of least and greatest path and turn, with bounds of direction and slip, (n, 2)."""
-        mean, covariance, (direction, slip) = self.mean.copy(), self.covariance.copy(), aside.T
+        """Return the estimates after moves.
+
+        They are least and greatest path and turn, (n, 2) each, and bounds of direction and slip and what is aside, (n, 3).
+        """
+        mean, covariance, (direction, slip, way) = self.mean.copy(), self.covariance.copy(), aside.T
         whole, lately = max(duration, 1e-9), duration / (duration + LATELY)
-        way, turned, twist = distance.mean(axis=1), turn.mean(axis=1), np.ptp(turn, axis=1) / 2
+        path, turned, twist = distance.mean(axis=1), turn.mean(axis=1), np.ptp(turn, axis=1) / 2
         across = slip + np.abs(distance).max(axis=1) * np.minimum(1.0, direction)
         lasting, wander = max(rules.lasting, duration) / whole, np.square([rules.wander, rules.drift]) * duration
         noise = lasting * np.square([np.ptp(distance, axis=1) / 2 + slip, across, twist])
-        chord = way * np.sinc(turned / 2 / np.pi)
+        chord = path * np.sinc(turned / 2 / np.pi)
         for robot in np.flatnonzero(self.running):
-            _drive(mean[robot], covariance[robot], chord[robot], turned[robot], np.append(noise[:, robot], wander))
+            move = np.array([chord[robot], turned[robot], way[robot]])
+            _drive(mean[robot], covariance[robot], move, np.append(noise[:, robot], wander))
         rate = np.where(self.running, self.rate + lately * (turned / whole - self.rate), self.rate)
         return replace(self, mean=mean, covariance=covariance, rate=rate)
 
@@ -191,9 +195,10 @@ class Offsets(Frozen):
 
 
 @compiled
-def _drive(mean: Array, covariance: Array, chord: float, turn: float, noise: Array) -> None:
-    """Move one estimate in place by a chord; the noise (5,) is the variance along it, across it, of turn, offset and delay."""
-    way = mean[2] + turn / 2
+def _drive(mean: Array, covariance: Array, move: Array, noise: Array) -> None:
+    """Move one estimate in place by chord, turn and what is aside (3,); (5,) variances along, across, of turn, offset, lag."""
+    chord, turn, aside = move
+    way = mean[2] + turn / 2 + aside
     x, y = np.cos(way), np.sin(way)
     mean[0] += chord * x
     mean[1] += chord * y

@@ -13,7 +13,8 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.measurements import Bearing, Compass, Measurement, Odometry
+from filter.records.measurements import Bearing, Compass, Measurement, Range
+from filter.records.odometry import Odometry
 from filter.robust.belief import RobustBelief
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
@@ -108,14 +109,14 @@ def _near(name: str, places: Array) -> None:
 
 
 def _moves(odometry: Odometry | None, team: Team, duration: float) -> tuple[Array, Array, Array]:
-    """Return least and greatest path and turn, (n, 2) each, and the bounds of direction and slip, (n, 2), of each robot."""
-    both, each = np.array([-1.0, 1.0]), (team.robots, 1)
-    distance, turn = np.zeros((team.robots, 2)), np.tile(both * team.turn_rate_limit * duration, each)
-    aside = np.tile([0.0, team.speed_limit * duration], each)
+    """Return least and greatest path and turn, (n, 2) each, and bounds of direction and slip and what is aside, (n, 3)."""
+    both = np.array([-1.0, 1.0])
+    distance, turn = np.zeros((team.robots, 2)), both * team.turn_rate_limit[:, None] * duration
+    aside = np.outer(team.speed_limit * duration, [0.0, 1.0, 0.0])
     if odometry is not None:
         distance[odometry.robot] = odometry.distance[:, None] + odometry.distance_bound[:, None] * both
         turn[odometry.robot] = odometry.turn[:, None] + odometry.turn_bound[:, None] * both
-        aside[odometry.robot] = np.stack([odometry.direction_bound, odometry.slip_bound], axis=1)
+        aside[odometry.robot] = np.stack([odometry.direction_bound, odometry.slip_bound, odometry.aside], axis=1)
     return distance, turn, aside
 
 
@@ -123,6 +124,7 @@ def sightings_in(measurements: Sequence[Measurement], robots: int) -> list[Sight
     """Return the sightings in records of one time: compasses first, then landmarks, then team mates.
 
     The n-th bearing of a pair goes with its n-th range. In which order the records come makes no difference, but to that.
+    Raises `InvalidInput` for records of other kinds.
     """
     bearings: dict[tuple[int, int], list[list[float]]] = defaultdict(list)
     ranges: dict[tuple[int, int], list[list[float]]] = defaultdict(list)
@@ -131,9 +133,11 @@ def sightings_in(measurements: Sequence[Measurement], robots: int) -> list[Sight
             into, target, reading = bearings, record.robot, (record.heading, record.bound)
         elif isinstance(record, Bearing):
             into, target, reading = bearings, record.target, (record.bearing, record.bound + WIDENING)
-        else:
+        elif isinstance(record, Range):
             least, greatest = record.interval()
             into, target, reading = ranges, record.target, (least * (1 - WIDENING), greatest * (1 + WIDENING))
+        else:
+            raise InvalidInput("what the robust filter can take: compass, bearing, range", type(record).__name__.lower())
         for robot, body, *values in zip(*(column.tolist() for column in (record.robot, target, *reading)), strict=True):
             into[robot, body].append(values)
     pairs = sorted(bearings.keys() | ranges.keys(), key=lambda pair: (pair[0] != pair[1], pair[1] < robots, pair))

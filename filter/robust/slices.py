@@ -56,7 +56,8 @@ def move(distance: Array, turn: Array, aside: Array, arena: Array, low: Array, h
     """Move slices by one robot's odometry, within an arena: the trapezoid of each slice's own arc is added, its arc turned.
 
     Path, negative backwards [m], and turn [rad] are the least and the greatest, (2,); aside are the bound of the motion's
-    direction [rad] and the radius of the disc of slip [m]; the arena is given by its supports.
+    direction [rad], the radius of the disc of slip [m], and where the robot drives, from its forward axis [rad]; the arena is
+    given by its supports.
     """
     bend = min(np.pi / 2, max(abs(turn[0]), abs(turn[1])) / 2 + aside[0])
     wide = (turn[1] - turn[0]) / 4 + aside[0] + ANGLE_ROUNDING
@@ -64,7 +65,8 @@ def move(distance: Array, turn: Array, aside: Array, arena: Array, low: Array, h
         wide = np.pi  # the way back can be the shortest
     chord = np.cos(bend)
     for k in range(len(low)):
-        centre, bound = (low[k] + high[k] + (turn[0] + turn[1]) / 2) / 2, (high[k] - low[k]) / 2 + wide
+        centre = (low[k] + high[k] + (turn[0] + turn[1]) / 2) / 2 + aside[2]
+        bound = (high[k] - low[k]) / 2 + wide
         if distance[0] >= 0:
             step = sector_supports(centre, bound, distance[0] * chord, distance[1])
         else:

@@ -44,7 +44,7 @@ class Told(Frozen):
     @classmethod
     def of(cls, readings: Readings, headings: AngularIntervals, spacing: float) -> "Told":
         """Return what readings say, given the (n) headings [rad]."""
-        _, bearings, ranges = readings
+        bearings, ranges = readings.bearings, readings.ranges
         count, robots = len(bearings.robot), len(headings)
         ways = world_arcs(bearings, headings[bearings.robot]).turned(np.pi)
         of_bearings, back = (

@@ -5,10 +5,13 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.errors import Inconsistent
-from filter.geometry.angles import AngularIntervals, intersection
+from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, intersection
 from filter.linear.sources import Source, Sources
-from filter.measurements import Bearing, Compass
+from filter.records.measurements import Bearing, Compass
 from filter.sensing.readings import Readings
+from filter.sensing.since import Moves, Since
+
+Arcs = tuple[Array, Array]  # centres and bounds
 
 
 def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
@@ -38,6 +41,58 @@ def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: Ang
         sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target)
         raise _conflict(headings, arcs, sources, order[:last], order[last])
     return AngularIntervals(centre, bound)
+
+
+def looks_at_a_glance(since: Since, readings: Readings) -> tuple[AngularIntervals, Moves]:
+    """Return what `headings_at` does from compasses and odometry alone, and where robots have gone, that looked so."""
+    looks = headings_at(since, readings, AngularIntervals.circles(len(readings.bearings.robot)))
+    return looks, since.moves(looks)
+
+
+def headings_at(since: Since, readings: Readings, spans: AngularIntervals) -> AngularIntervals:
+    """Return (s n + n) headings in the beginning and at each of s instants, as all readings tell; (b) spans hold directions.
+
+    Raises `Inconsistent` if what is known and measured of a heading is proved to have nothing in common.
+    """
+    compasses, bearings, robots = readings.compasses, readings.bearings, len(since.headings)
+    found = heading_arcs_of_compass(compasses), heading_arcs_of_bearing(bearings, spans)
+    centre, bound = (np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound"))
+    place = np.concatenate([readings.at[0] * robots + compasses.robot, readings.at[1] * robots + bearings.robot]) + robots
+    looks = _followed((since.headings.centre, since.headings.bound), since.turns, (centre, bound), (place, np.argsort(place)))
+    nothing = np.flatnonzero(looks[1] < 0)
+    if len(nothing):
+        robot = int(nothing[0]) % robots
+        raise Inconsistent(f"up to {readings.compasses.time} s", [Source("heading", readings.compasses.time, robot)])
+    return AngularIntervals(*looks)
+
+
+@compiled
+def _followed(before: Arcs, turns: Array, arcs: Arcs, places: tuple[Integers, Integers]) -> Array:
+    """Return (2, s n + n) centres and bounds of headings, through (s, n, 2) turns and back, cut by arcs at their places."""
+    steps, robots = turns.shape[:2]
+    looks, (place, order), following = np.empty((2, (steps + 1) * robots)), places, 0
+    looks[0, :robots], looks[1, :robots] = before
+    for k in range(robots, looks.shape[1]):
+        turn = turns[k // robots - 1, k % robots]
+        centre, bound = _turned(looks[0, k - robots], looks[1, k - robots], turn[0], turn[1])
+        while following < len(order) and place[order[following]] == k:
+            centre, bound = intersection(centre, bound, arcs[0][order[following]], arcs[1][order[following]])
+            following += 1
+        looks[0, k], looks[1, k] = centre, bound
+    for k in range(looks.shape[1] - robots - 1, -1, -1):
+        turn = turns[k // robots, k % robots]
+        centre, bound = _turned(looks[0, k + robots], looks[1, k + robots], -turn[0], turn[1])
+        looks[0, k], looks[1, k] = intersection(looks[0, k], looks[1, k], centre, bound)
+    return looks
+
+
+@compiled
+def _turned(centre: float, bound: float, turn: float, more: float) -> tuple[float, float]:
+    """Return centre and bound of an arc after a turn, as `AngularIntervals.turned` does [rad]; one that is empty stays so."""
+    turned = centre + turn
+    outward = ANGLE_ROUNDING * (1 + abs(turn) + abs(turned))
+    turned -= 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
+    return turned, min(np.pi, bound + more + outward) if bound >= 0 else bound
 
 
 @compiled

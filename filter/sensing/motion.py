@@ -14,7 +14,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
-from filter.measurements import Odometry
+from filter.records.odometry import Odometry
 from filter.team import Team
 
 CORNERS = 8  # of a set of displacements: of a trapezoid ahead, and of one behind
@@ -73,32 +73,44 @@ def _normals(vertices: Array) -> Array:
 def _support(vertices: Array, reach: Array, slip: Array, robot: Integers, direction: Array) -> Array:
     support = np.empty(len(robot))
     for k in range(len(robot)):
-        x, y, corners = direction[k, 0], direction[k, 1], vertices[robot[k]]
-        farthest, size = -np.inf, 0.0
-        for m in range(len(corners)):
-            farthest = max(farthest, corners[m, 0] * x + corners[m, 1] * y)
-            size = max(size, abs(corners[m, 0]) + abs(corners[m, 1]))
-        length, rounding = np.hypot(x, y), 16 * EPSILON * (size + slip[robot[k]])
-        support[k] = min(farthest, reach[robot[k]] * length) + (slip[robot[k]] + rounding) * length
+        whose = robot[k]
+        support[k] = support_of(vertices[whose], reach[whose], slip[whose], direction[k, 0], direction[k, 1])
     return support
+
+
+@compiled
+def support_of(corners: Array, reach: float, slip: float, x: float, y: float) -> float:
+    """Return an upper bound of (x, y) . u over the displacements u of one robot [m]."""
+    farthest, size = -np.inf, 0.0
+    for m in range(len(corners)):
+        farthest = max(farthest, corners[m, 0] * x + corners[m, 1] * y)
+        size = max(size, abs(corners[m, 0]) + abs(corners[m, 1]))
+    length, rounding = np.hypot(x, y), 16 * EPSILON * (size + slip)
+    return min(farthest, reach * length) + (slip + rounding) * length
 
 
 def displacements(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> Displacements:
     """Return where each robot can have gone in `duration` [s], from n headings at the start [rad].
 
     A robot without odometry can have gone anywhere within its speed limit.
+    """
+    return displacements_of(odometry, headings, team.speed_limit * duration)
+
+
+def displacements_of(odometry: Odometry | None, headings: AngularIntervals, reach: Array) -> Displacements:
+    """Return where each robot can have gone, from n headings at the start [rad]; without odometry, no farther than (n,) [m].
 
     Algorithm:
-        Path length s in [least, greatest], direction within d of phi = heading + turn / 2. The robot's heading deviates from
-        phi's true value by half the turn and the direction bound at most, so the chord is at least least cos(that) long.
+        Path length s in [least, greatest], direction within d of phi = heading + turn / 2 + aside. On its way the robot's
+        deviates from that by half the turn and the direction bound at most, so the chord is at least least cos(that) long.
         Range [least cos(that), greatest] over the sector phi +- d is a trapezoid. No displacement is longer than the path,
         which tells where the sector is wide.
     """
-    vertices = np.zeros((team.robots, CORNERS, 2))
-    reach, slip = np.zeros(team.robots), np.full(team.robots, team.speed_limit * duration)
+    vertices, path, slip = np.zeros((len(headings), CORNERS, 2)), np.zeros(len(headings)), reach.copy()
     if odometry is None:
-        return Displacements(vertices, reach, slip)
-    direction = headings[odometry.robot].turned(odometry.turn / 2, odometry.turn_bound / 2 + odometry.direction_bound)
+        return Displacements(vertices, path, slip)
+    way = odometry.turn / 2 + odometry.aside
+    direction = headings[odometry.robot].turned(way, odometry.turn_bound / 2 + odometry.direction_bound)
     most_turned, back = np.abs(odometry.turn) + odometry.turn_bound, direction.turned(np.pi)
     chord = np.cos(np.minimum(np.pi / 2, most_turned / 2 + odometry.direction_bound))
     least, greatest = odometry.distance - odometry.distance_bound, odometry.distance + odometry.distance_bound
@@ -111,8 +123,8 @@ def displacements(odometry: Odometry | None, headings: AngularIntervals, team: T
     anywhere = ((direction.bound > WIDEST) | (most_turned >= 2 * np.pi))[:, None, None]
     square = farthest[:, None, None] * np.tile([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]], (2, 1))
     vertices[odometry.robot] = np.where(anywhere, square, np.concatenate([ahead, behind], axis=1))
-    reach[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound
-    return Displacements(vertices, reach, slip)
+    path[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound
+    return Displacements(vertices, path, slip)
 
 
 @compiled
@@ -128,7 +140,7 @@ def _trapezoids(nearest: Array, farthest: Array, centre: Array, bound: Array) ->
 
 def turned_headings(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> AngularIntervals:
     """Return the n headings after the motion [rad]; a robot without odometry can have turned within its turn-rate limit."""
-    turn, bound = np.zeros(team.robots), np.full(team.robots, team.turn_rate_limit * duration)
+    turn, bound = np.zeros(team.robots), team.turn_rate_limit * duration
     if odometry is not None:
         turn[odometry.robot], bound[odometry.robot] = odometry.turn, odometry.turn_bound
     return headings.turned(turn, bound)

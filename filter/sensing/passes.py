@@ -17,9 +17,10 @@ from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.sensing.cells import ByCases, Places, Told, by_cases
-from filter.sensing.headings import narrowed_headings
+from filter.sensing.headings import headings_at, narrowed_headings
 from filter.sensing.readings import Readings
-from filter.sensing.rows import bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
+from filter.sensing.rows import as_of_now, bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
+from filter.sensing.since import Moves
 from filter.sensing.split import WORTH_A_SLICE
 
 PASSES = 8  # at most; more than three are seldom worth it
@@ -36,6 +37,7 @@ NEW, SOON, SOON_HEADING = 0.7, 0.03, 0.1
 # They and another round are worth it for this share of all robots, by number or area, and while regions become smaller by it.
 WORTH_IT = 0.03
 SMALLEST_BAND = 1e-12  # what is divided by is never smaller [m]
+BEARINGS, RANGES = 1, 2  # places of these kinds among `Readings`
 NO_ROBOTS = np.zeros(0, dtype=np.int64)
 
 
@@ -50,6 +52,7 @@ class Directions(Frozen):
         seen: for ranges, with the rows of bearings.
         headings: (n) after it [rad].
         arcs: (r) the directions of ranges [rad].
+        moves: Where robots have gone since the readings; None if these are of one instant.
     """
 
     readings: Readings
@@ -58,6 +61,7 @@ class Directions(Frozen):
     seen: Polytope
     headings: AngularIntervals
     arcs: AngularIntervals
+    moves: Moves | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +72,13 @@ class Merged(Frozen):
         polytope: Where the team is, with the rows of what was measured.
         headings: (n) the robots' headings [rad].
         evidence: What was found in cells, and then what each pass that counts has read directions from.
+        wide: (c,) robots that are worth cells. They were found in cells, if the readings are of one instant and time was left.
     """
 
     polytope: Polytope
     headings: AngularIntervals
     evidence: tuple[ByCases | Directions, ...]
+    wide: Integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +90,7 @@ class Merger(Frozen):
         headings: (n) the robots' headings before [rad].
         readings: What was measured.
         sources: The belief's table of sources, with those of
-        numbers: (b + r + n,) bearings, ranges and robots' cells.
+        numbers: (b + r + p + n,) bearings, ranges, positions and robots' cells.
         landmarks: (l, 2) [m].
         spacing: Greatest angle between two tangents of a range's far side [rad].
         cells: Into how many a robot's poses are split at most; 0 for never, and for one pass.
@@ -109,11 +115,11 @@ class Merger(Frozen):
         """
         merged, passes = self._settled(is_over)
         wide = self._wide(merged, passes[-1]) if self.cells else NO_ROBOTS
-        if not len(wide) or is_over():
-            return Merged(merged, passes[-1].headings, tuple(passes))
+        if self.readings.since is not None or not len(wide) or is_over():
+            return Merged(merged, passes[-1].headings, tuple(passes), wide)
         fewer, cases = self._in_cells(wide, is_over)
         merged, passes = fewer._settled(is_over)
-        return Merged(merged, passes[-1].headings, (*cases, *passes))
+        return Merged(merged, passes[-1].headings, (*cases, *passes), wide)
 
     def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, list[Directions]]:
         """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
@@ -132,13 +138,15 @@ class Merger(Frozen):
 
     def _wide(self, merged: Polytope, read: Directions) -> Integers:
         """Return the robots that something is wide of, for what was measured: they are worth cells."""
-        (_, bearings, ranges), robots = self.readings, len(self.headings)
+        bearings, ranges, robots = self.readings.bearings, self.readings.ranges, len(self.headings)
         worst, by_heading = np.zeros(robots + len(self.landmarks)), np.zeros(robots)
         np.maximum.at(worst, np.concatenate([ranges.robot, ranges.target]), np.tile(self._inside(read), 2))
         several = np.flatnonzero(np.bincount(bearings.robot, minlength=robots)[bearings.robot] >= WORTH_A_SLICE)
         seer, bound = bearings.robot[several], np.maximum(bearings.bound[several], SMALLEST_BAND)
         np.maximum.at(by_heading, seer, read.headings.bound[seer] / bound)
         by_range = worst[:robots]
+        if self.readings.since is not None:  # a step for each instant costs more than what is little in doubt is worth
+            return np.flatnonzero(by_range > INSIDE)
         suspects = np.flatnonzero((by_range > SOON) | (by_heading > SOON_HEADING))
         if not len(suspects):
             return suspects
@@ -182,30 +190,50 @@ class Merger(Frozen):
 
         The directions that an earlier pass has made narrow are rows as well: the tangents of an arc do not bound its sides.
         """
-        (_, bearings, ranges), count = self.readings, len(self.readings.bearings.robot)
-        spans = spans_of_targets(known, self.landmarks, bearings.robot, bearings.target)
-        headings = narrowed_headings(self.headings, self.readings, spans)
-        ways = world_arcs(bearings, headings[bearings.robot])
-        of_bearings = self._on_robots(bearing_rows(bearings.robot, bearings.target, ways, self.numbers[:count]))
+        bearings, ranges, count = self.readings.bearings, self.readings.ranges, len(self.readings.bearings.robot)
+        headings, looks, moves = self._looks(known)
+        ways = world_arcs(bearings, looks)
+        of_bearings = self._on_robots(bearing_rows(bearings.robot, bearings.target, ways, self.numbers[:count]), moves)
         seen = known.with_constraints(Constraints.concatenate([known.constraints, of_bearings]))
-        arcs = self._with_bearings(spans_of_targets(seen, self.landmarks, ranges.robot, ranges.target), ways)
+        arcs = self._with_bearings(self._spans(seen, RANGES, moves), ways)
         numbers = self.numbers[count : count + len(ranges.robot)]
-        rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing))]
+        rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing), moves)]
         if known is not self.polytope:
-            rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers)))
+            rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), moves))
         merged = self.polytope.with_constraints(Constraints.concatenate(rows))
-        return merged, Directions(self.readings, self.sources, known, seen, headings, arcs)
+        return merged, Directions(self.readings, self.sources, known, seen, headings, arcs, moves)
 
-    def _on_robots(self, rows: Constraints) -> Constraints:
-        return on_robots(rows, self.polytope, self.landmarks)
+    def _looks(self, known: Polytope) -> tuple[AngularIntervals, AngularIntervals, Moves | None]:
+        """Return the headings (n), those of bearings when these were taken (b), and where robots have gone since, if so."""
+        bearings, since, robots = self.readings.bearings, self.readings.since, len(self.headings)
+        if since is None:
+            spans = self._spans(known, BEARINGS, None)
+            headings = narrowed_headings(self.headings, self.readings, spans)
+            return headings, headings[bearings.robot], None
+        spans = self._spans(known, BEARINGS, self.readings.moves)
+        looks = headings_at(since, self.readings, spans)
+        return looks[-robots:], looks[(self.readings.at[BEARINGS] + 1) * robots + bearings.robot], since.moves(looks)
+
+    def _spans(self, known: Polytope, kind: int, moves: Moves | None, some: Integers | None = None) -> AngularIntervals:
+        """Return the directions of targets when readings of a kind were taken, of all or of some (see `spans_of_targets`)."""
+        record, at = self.readings.bearings if kind == BEARINGS else self.readings.ranges, self.readings.at[kind]
+        which = np.arange(len(at)) if some is None else some
+        robot, target = record.robot[which], record.target[which]
+        moved = None if moves is None else moves.between(robot, target, at[which])
+        return spans_of_targets(known, self.landmarks, robot, target, moved)
+
+    def _on_robots(self, rows: Constraints, moves: Moves | None) -> Constraints:
+        then = on_robots(rows, self.polytope, self.landmarks)
+        return as_of_now(then, self.readings, moves, int(self.numbers[0]))
 
     def _with_bearings(self, spans: AngularIntervals, ways: AngularIntervals) -> AngularIntervals:
         """Return the directions of the ranges' targets, narrowed by (b) directions of bearings of the same two, from either."""
-        (_, bearings, ranges), bodies = self.readings, len(self.headings) + len(self.landmarks)
+        bearings, ranges, bodies = self.readings.bearings, self.readings.ranges, len(self.headings) + len(self.landmarks)
         if not len(bearings.robot) or not len(ranges.robot):
             return spans
         keys = [
-            bodies * np.minimum(each.robot, each.target) + np.maximum(each.robot, each.target) for each in (bearings, ranges)
+            (at * bodies + np.minimum(each.robot, each.target)) * bodies + np.maximum(each.robot, each.target)
+            for each, at in ((bearings, self.readings.at[BEARINGS]), (ranges, self.readings.at[RANGES]))
         ]
         order = np.argsort(keys[0], kind="stable")
         turned = [np.where(each.robot > each.target, np.pi, 0.0) for each in (bearings, ranges)]
@@ -216,10 +244,12 @@ class Merger(Frozen):
         """Return whether some direction is wide for its range, or some bearing would narrow a heading now."""
         if (self._inside(read) > SAGITTA).any():
             return True
+        if self.readings.since is not None:  # that costs more than it is worth
+            return False
         bearings = self.readings.bearings
         left = LEFT_OF_A_HEADING * read.headings.bound[bearings.robot] - bearings.bound
         some = np.flatnonzero(left > 0)
-        spans = spans_of_targets(merged, self.landmarks, bearings.robot[some], bearings.target[some])
+        spans = self._spans(merged, BEARINGS, read.moves, some)
         return bool((spans.bound < left[some]).any())
 
 

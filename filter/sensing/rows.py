@@ -13,12 +13,14 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Range
+from filter.records.measurements import Bearing, Position, Range
+from filter.sensing.readings import Readings
+from filter.sensing.since import Moves
 
 # The far side of a range is a circle, replaced by tangents at most this far apart; 30 degrees cost 2.3 % of a whole disc.
 TANGENT_SPACING = np.pi / 6
-# Every bearing is widened by this [rad] and every range by this share: far above rounding, far below any sensor. So errors
-# that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
+# Every bearing is widened by this [rad], every position [m], every range by this share: far above rounding, far below any
+# sensor. So errors that just reach their bounds leave the polytope an interior, without which no solver can be accurate.
 WIDENING = 1e-8
 
 
@@ -67,6 +69,31 @@ def _far_and_near(centre: Array, bound: Array, nearest: Array, farthest: Array, 
     return rows[:count].copy()
 
 
+def position_rows(record: Position, polytope: Polytope, source: Integers) -> Constraints:
+    """Return the half-planes of positions as rows, moved outward by `WIDENING` and all rounding within the polytope's box."""
+    normal, extent = record.normals, np.maximum(np.abs(polytope.lower), np.abs(polytope.upper))
+    allowance = 4 * EPSILON * (np.abs(record.offset) + extent[record.robot].sum(axis=1))
+    world = np.full(len(record.robot), WORLD)
+    return Constraints(world, record.robot, normal, record.offset, source).shifted(WIDENING + allowance)
+
+
+def placed(polytope: Polytope, readings: Readings, numbers: Integers, moves: Moves | None) -> Polytope:
+    """Return a polytope with the rows of positions, whose numbers are among those of readings (see `Readings.numbered`)."""
+    first = len(readings.bearings.robot) + len(readings.ranges.robot)
+    if not len(readings.positions.robot):
+        return polytope
+    rows = position_rows(readings.positions, polytope, numbers[first : first + len(readings.positions.robot)])
+    rows = as_of_now(rows, readings, moves, int(numbers[0]))
+    return polytope.with_constraints(Constraints.concatenate([polytope.constraints, rows]))
+
+
+def as_of_now(rows: Constraints, readings: Readings, moves: Moves | None, first: int) -> Constraints:
+    """Return rows of readings, numbered from a first one on, as rows on where robots are now."""
+    if moves is None:
+        return rows
+    return moves.moved(rows, np.concatenate(readings.at[1:])[rows.source - first])
+
+
 def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constraints:
     """Return rows just built, on pairs of bodies, as rows on robots: landmarks (l, 2) are put in, all rounding is covered."""
     robots = len(polytope.lower)
@@ -80,13 +107,18 @@ def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constr
     return Constraints(i, j, np.where(fixed[:, None], -normal, normal), moved.offset, moved.source)
 
 
-def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, target: Integers) -> AngularIntervals:
+def spans_of_targets(
+    polytope: Polytope, landmarks: Array, robot: Integers, target: Integers, moved: tuple[Array, Array] | None = None
+) -> AngularIntervals:
     """Return (k) arcs that contain the directions from robots to targets, as far as the polytope tells at a glance [rad].
 
-    Rows that exclude one another say nothing here: to find that out, and the causes, is for the search that follows.
+    If robots have moved since, the way from one to the other is now another one by (k, 2), up to (k,) [m]. Rows that exclude
+    one another say nothing here: to find that out, and the causes, is for the search that follows.
     """
     if not len(robot):
         return AngularIntervals.circles(0)
+    if moved is not None:
+        return _spans_then(polytope, landmarks, (robot, target), moved)
     robots, first, second = len(polytope.lower), np.minimum(robot, target), np.maximum(robot, target)
     pairs, which = np.unique(first * (robots + len(landmarks)) + second, return_inverse=True)
     i, j = np.divmod(pairs, robots + len(landmarks))
@@ -95,3 +127,21 @@ def spans_of_targets(polytope: Polytope, landmarks: Array, robot: Integers, targ
     spans = AngularIntervals.circles(len(pairs)).replaced(fixed, seen)
     spans = spans.replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
     return spans[which].turned(np.where(robot > target, np.pi, 0.0))
+
+
+def _spans_then(
+    polytope: Polytope, landmarks: Array, who: tuple[Integers, Integers], moved: tuple[Array, Array]
+) -> AngularIntervals:
+    """Return the same where robots have moved since."""
+    (robot, target), (by, radius), robots = who, moved, len(polytope.lower)
+    fixed, mutual = np.flatnonzero(target >= robots), np.flatnonzero(target < robots)
+    spans = AngularIntervals.circles(len(robot))
+    if len(fixed):
+        own, which = np.unique(robot[fixed], return_inverse=True)
+        seen = polytope.of_robots(own).polygons.select(which).mirrored(landmarks[target[fixed] - robots])
+        spans = spans.replaced(fixed, seen.blurred(-by[fixed], radius[fixed]).spans())
+    if len(mutual):
+        one, other, back = robot[mutual], target[mutual], robot[mutual] > target[mutual]
+        between = polytope.of(np.minimum(one, other), np.maximum(one, other)).polygons.turned_about(back)
+        spans = spans.replaced(mutual, between.blurred(-by[mutual], radius[mutual]).spans())
+    return spans

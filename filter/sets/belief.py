@@ -14,8 +14,8 @@ from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
-from filter.measurements import Odometry
 from filter.projection.fallback import Fallback
+from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
 
@@ -68,6 +68,7 @@ class Belief:
             were projected, as of the last update; before them what was proved case by case, and what directions were read
             from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
+        projected: When regions were last projected; before, and in between, they are what is seen at a glance [s].
     """
 
     time: float
@@ -79,6 +80,7 @@ class Belief:
     events: tuple[Event, ...] = ()
     proofs: tuple[Evidence, ...] = ()
     moved: Moved | None = None
+    projected: float = -np.inf
 
     @cached_property
     def regions(self) -> Regions:
@@ -95,6 +97,18 @@ class Belief:
         polytope = replace(self.polytope, constraints=replace(rows, source=now[rows.source]), origin=now[origin])
         found = replace(self.found, cause=now[cause]) if self.found else None
         return replace(self, polytope=polytope, found=found, sources=self.sources.select(np.flatnonzero(used)))
+
+    def with_robot(self, robot: int, alone: Belief) -> Belief:
+        """Return what is known if one robot is what another belief says of its only one, whatever was known of it before."""
+        table, number = self.sources.extended("initial set", self.time, [robot])
+        mine, of_others = alone.polytope, (self.constraints.i != robot) & (self.constraints.j != robot)
+        whole = np.ones(len(mine.constraints), dtype=np.int64)
+        own = replace(mine.constraints, j=robot * whole, source=number * whole)
+        lower, upper, origin = self.polytope.lower.copy(), self.polytope.upper.copy(), self.polytope.origin.copy()
+        lower[robot], upper[robot], origin[robot] = mine.lower[0], mine.upper[0], number[0]
+        rows = Constraints.concatenate([self.constraints.select(of_others), own])
+        headings = self.headings.replaced(np.array([robot]), alone.headings)
+        return Belief(self.time, Polytope(rows, lower, upper, origin), headings, table, self.guarantee).compact()
 
     @property
     def constraints(self) -> Constraints:

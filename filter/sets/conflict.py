@@ -14,14 +14,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Mask
+from filter.arrays import Array, Integers, Mask
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
-from filter.linear.sources import KINDS, Kind, Source
-from filter.measurements import Compass, Measurement, Odometry, field_names
-from filter.sensing.readings import KIND_OF
+from filter.linear.sources import KINDS, Kind, Source, Sources
+from filter.records.measurements import Measurement, Position
+from filter.records.odometry import Odometry
+from filter.records.record import field_names
+from filter.sensing.readings import KIND_OF, targets_of
 from filter.sets.belief import Belief
 from filter.team import Team
 
@@ -223,19 +225,24 @@ def _explained(exclude: Excludes, always: Parts, more: bool, parts: Parts) -> Pa
 
 def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
     """Return every single measurement, in order, as a source."""
-    found = {}
+    found = dict[Reading, Source]()
     for k, record in enumerate(measurements):
-        targets = [None] * len(record.robot) if isinstance(record, Compass) else record.target.tolist()
-        for place, (robot, target) in enumerate(zip(record.robot.tolist(), targets, strict=True)):
-            found[k, place] = Source(KIND_OF[type(record)], record.time, robot, target)
+        table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, targets_of(record))
+        found |= {(k, place): table[place] for place in np.unique(_first_places(record)).tolist()}
     return found
+
+
+def _first_places(record: Measurement) -> Integers:
+    """Return (k,) where in a record the measurement begins that each place is of: half-planes of one robot are one position."""
+    places = np.arange(len(record.robot))
+    return np.argmax(record.robot == record.robot[:, None], axis=1) if isinstance(record, Position) else places
 
 
 def without(measurements: Sequence[Measurement], dropped: Collection[Reading]) -> tuple[Measurement, ...]:
     """Return the records with some single measurements left out, and records of which nothing is left."""
     left = []
     for k, record in enumerate(measurements):
-        keep = np.array([(k, place) not in dropped for place in range(len(record.robot))], dtype=bool)
+        keep = np.array([(k, place) not in dropped for place in _first_places(record).tolist()], dtype=bool)
         if keep.any():
             left.append(replace(record, **{name: getattr(record, name)[keep] for name in field_names(record)}))
     return tuple(left)

@@ -15,10 +15,11 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.sensing.motion import Displacements
+from filter.sensing.since import Moves
 from filter.sets.belief import Belief
 
 
-def moved(belief: Belief, time: float, moves: Displacements, arena: Array, corners: bool) -> tuple[Polytope, Sources]:
+def moved(belief: Belief, time: float, moves: Displacements | Moves, arena: Array, corners: bool) -> tuple[Polytope, Sources]:
     """Return the polytope after moves within the arena (2, 2) [m], and its sources, with rows through corners or without.
 
     Raises `Inconsistent` if a robot has left the arena.
@@ -38,7 +39,7 @@ def moved(belief: Belief, time: float, moves: Displacements, arena: Array, corne
     return Polytope(moves.moved(rows), lower, upper, belief.polytope.origin), sources
 
 
-def rows_through_corners(belief: Belief, moves: Displacements) -> tuple[Constraints, Sources]:
+def rows_through_corners(belief: Belief, moves: Displacements | Moves) -> tuple[Constraints, Sources]:
     """Return rows through corners of polygons, and sources: of all robots and pairs that the last update proved something of.
 
     The normals are those of the edges of what the robots' displacements, or the differences of those, can be.

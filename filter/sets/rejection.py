@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from filter.errors import Inconsistent
-from filter.measurements import Measurement
+from filter.records.measurements import Measurement
 from filter.sets.belief import Belief, Rejected
 from filter.sets.conflict import Conflict, Premises, Reading, conflict_of, single, without
 

@@ -6,11 +6,11 @@ import pytest
 from helpers.worlds import World
 from scipy.stats import chi2
 
+from filter import Bearing, Compass, Odometry, Range
 from filter.ekf import UNIFORM, ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 

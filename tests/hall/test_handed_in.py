@@ -66,7 +66,13 @@ def test_every_time_becomes_a_float(own, half):
 @pytest.mark.parametrize("half", HALVES, ids=repr)
 def test_every_option_that_is_a_number_becomes_a_float(half):
     team, stop = Team(1, (), half, half), Stop(half, half)
-    kept = [team.speed_limit, team.turn_rate_limit, stop.performance_ratio, stop.area_gap, FixedLag(FILTERS[0], len, half).lag]
+    kept = [
+        team.speed_limit.item(),
+        team.turn_rate_limit.item(),
+        stop.performance_ratio,
+        stop.area_gap,
+        FixedLag(FILTERS[0], len, half).lag,
+    ]
     kept += [Rules(1, half).window, Suspicion(share=half).share, Alignment(half).share, NoiseModel(half).compass]
     kept += [SetMembershipFilter(TEAM, tangent_spacing=half).tangent_spacing, ExtendedKalmanFilter(TEAM, gate=half).gate]
     assert kept == [0.5] * 11

@@ -53,6 +53,7 @@ def but(wrong, *names, **more):
 
 
 BOUND, SPREAD = but(NO_NUMBERS, negative=-1e-9), but(NO_NUMBER, negative=-1e-9)
+LIMIT = but(BOUND, two=[0.5, 0.5], spatial=[[0.5], [0.5], [0.5]])
 ABOVE_0 = but(SPREAD, zero=0.0)
 COUNT = but(NO_WHOLE_NUMBER, negative=-1)
 OPTION = but(NOT_OURS, "None")  # where None is right
@@ -94,8 +95,8 @@ PART = but(NO_WHOLE_NUMBERS, "truths", "True", "below 0", "below 0 in a column",
 CALLS = {
     "Team: robots": (Team, but(COUNT, none=0, many=10**7)),
     "Team: landmarks": (lambda x: Team(2, x), NO_POINTS),
-    "Team: speed_limit": (lambda x: Team(2, speed_limit=x), SPREAD),
-    "Team: turn_rate_limit": (lambda x: Team(2, turn_rate_limit=x), SPREAD),
+    "Team: speed_limit": (lambda x: Team(3, speed_limit=x), LIMIT),
+    "Team: turn_rate_limit": (lambda x: Team(3, turn_rate_limit=x), LIMIT),
     "Team: arena": (lambda x: Team(2, arena=x), ARENA),
     "Team.name": (TEAM.name, but(COUNT, beyond=4)),
     "Team.check": (TEAM.check, NOT_OURS),
@@ -186,7 +187,7 @@ CALLS = {
     "Suspicion: share": (lambda x: Suspicion(share=x), but(ABOVE_0, all=1.0)),
     "Alignment: share": (Alignment, but(ABOVE_0, above=1.1)),
     "lag: inner": (lambda x: FixedLag(x, len), NO_FILTER),
-    "lag: motion": (lambda x: FixedLag(SETS, x), NOT_OURS),
+    "lag: motion": (lambda x: FixedLag(SETS, x), OPTION),
     "lag: lag": (lambda x: FixedLag(SETS, len, x), SPREAD),
     "lag: gap": (lambda x: FixedLag(SETS, len, gap=x), SPREAD),
     "lag: restart": (lambda x: FixedLag(SETS, len, restart=x), OPTION),

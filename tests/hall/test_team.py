@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from filter import Bearing, Compass, Odometry, Polygon, Range, SetMembershipFilter
 from filter.errors import InvalidInput
-from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.team import Team
 
 
@@ -78,3 +78,43 @@ def test_a_team_cannot_be_changed():
     for array in (TEAM.landmarks, TEAM.arena):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
+
+
+NAMED = Team(["alice", "bob"], {"gate": [4.0, 0.0]}, speed_limit={"bob": 0.0, "alice": 3.0}, turn_rate_limit=1.0)
+
+
+def test_robots_and_landmarks_can_have_names():
+    assert (NAMED.robots, NAMED.landmarks.tolist(), NAMED.names) == (2, [[4.0, 0.0]], ("alice", "bob", "gate"))
+    assert [NAMED.number_of(NAMED.name(body)) for body in range(3)] == [0, 1, 2]
+    assert Team(2, [[1.0, 2.0]]).names == ("r0", "r1", "l0")
+    with pytest.raises(InvalidInput, match="as alice; came 'alise'"):
+        NAMED.number_of("alise")
+
+
+def test_each_robot_may_have_limits_of_its_own():
+    assert NAMED.speed_limit.tolist() == [3.0, 0.0]
+    filter_ = SetMembershipFilter(NAMED)
+    begin = filter_.start(0.0, [Polygon.box([0, 0], [1, 1])] * 2)
+    after = filter_.update(filter_.predict(begin, 1.0))
+    assert after.regions.outer.areas == pytest.approx([49, 1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"robots": ["alice", "alice"]}, "no two alike"),
+        ({"robots": ["alice", "a/b"]}, "names of letters"),
+        ({"robots": ["alice", ""]}, "names of letters"),
+        ({"robots": [1, 2]}, "robots: names"),
+        ({"robots": []}, "number of robots"),
+        ({"robots": ["gate"], "landmarks": {"gate": [0, 0]}}, "no two alike"),
+        ({"robots": ["alice"], "speed_limit": {"bob": 1.0}}, "one for each of alice; came bob"),
+        ({"robots": ["alice"], "speed_limit": [1.0, 2.0]}, "one for each of 1 robots"),
+        ({"robots": 2, "names": ["alice"]}, "one name for each of 2 robots and landmarks"),
+        ({"robots": 2, "acceleration_limit": -1.0}, "acceleration limit"),
+        ({"robots": 2, "turn_acceleration_limit": np.nan}, "acceleration limit"),
+    ],
+)
+def test_names_and_limits_that_are_none_are_refused(arguments, said):
+    with pytest.raises(InvalidInput, match=said):
+        Team(**arguments)

@@ -1,12 +1,14 @@
-"""Small teams for the filter's tests, and what is compared of their beliefs."""
+"""Small teams for the filter's tests, also as logs, and what is compared of their beliefs."""
 
 import dataclasses
 
 import numpy as np
-from helpers.worlds import escapes
+from helpers.worlds import World, escapes
 
+from experiments.following.scenarios import CORNERS
+from experiments.logs import Header, InitialSet, LogWriter
+from filter import Frame, Odometry, Truth
 from filter.geometry.polygon import Polygon
-from filter.measurements import Odometry
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
@@ -54,3 +56,17 @@ def snapshot(thing):
     if dataclasses.is_dataclass(thing):
         return [snapshot(getattr(thing, column.name)) for column in dataclasses.fields(thing)]
     return thing
+
+
+def write_log(path, *, seed=0, robots=2, steps=8, truth=True, change=lambda k, records: records):
+    """Write a log of robots that drive and measure within their bounds, but for what `change` makes of step k's records."""
+    world = World(np.random.default_rng(seed), robots=robots, landmarks=2)
+    centres, arcs = [set_.vertices.mean(axis=0) for set_ in world.initial_sets()], world.initial_headings()
+    known = zip(centres, arcs.centre.tolist(), arcs.bound.tolist(), strict=True)
+    initial = [InitialSet(centre + 0.6 * CORNERS, (heading, bound)) for centre, heading, bound in known]
+    with LogWriter(path, Header(world.team, 0.0, None), initial) as log:
+        for k in range(steps):
+            driven = world.move() if k else None
+            told = Truth(world.positions, world.headings) if truth else None
+            log.write(Frame(world.time, driven, tuple(change(k, world.measure())), told))
+    return path

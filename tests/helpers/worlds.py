@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 from scipy import sparse
 
+from filter import Bearing, Compass, Measurement, Odometry, Range
 from filter.arrays import Array, Integers
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -16,7 +17,6 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram
 from filter.linear.sources import Sources
-from filter.measurements import Bearing, Compass, Measurement, Odometry, Range
 from filter.projection.claims import Weights
 from filter.sets.belief import Belief
 from filter.sets.proof import Proof

@@ -12,7 +12,10 @@ LONGEST = 300
 FULLEST = 15
 # The filter's records: all that the simulator knows of it.
 RECORDS = {
-    "filter.measurements",
+    "filter.records.frame",
+    "filter.records.measurements",
+    "filter.records.odometry",
+    "filter.records.record",
     "filter.team",
     "filter.geometry.angles",
     "filter.arrays",
@@ -25,12 +28,15 @@ PLAIN = {
     "collections",
     "dataclasses",
     "decimal",
+    "difflib",
     "enum",
     "fractions",
     "functools",
+    "heapq",
     "itertools",
     "math",
     "operator",
+    "re",
     "typing",
 }
 # What some modules of the filter may use besides.
@@ -211,12 +217,15 @@ def test_models_know_nobody(path):
 
 
 @pytest.mark.parametrize("path", everyone())
-def test_solvers_physics_and_recording_are_in_their_places(path):
+def test_solvers_physics_recording_and_decoding_are_in_their_places(path):
     names = {top(name) for name in imports(path)}
     name = name_of(path)
     assert name == "filter.linear.solvers" or not names & {"piqp", "qpsolvers", "highspy"}
     assert folder(path) == "sim" or "mujoco" not in names
     assert name in ("experiments.show.recording", "experiments.show.blueprint") or "rerun" not in names
+    assert name in ("experiments.logs.reading.fast", "experiments.logs.reading.typed") or "msgspec" not in names
+    assert name in ("experiments.recorded.bags", "experiments.minute.recorded") or "rosbags" not in names
+    assert name == "experiments.own_data.units" or "pyproj" not in names
 
 
 @pytest.mark.parametrize("path", [*everyone(), *(pytest.param(path, id=path.name) for path in TESTS)])

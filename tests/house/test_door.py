@@ -16,14 +16,19 @@ WORKSHOPS = ("timed", "optimum", "paper", "proof", "growth")
 # What else goes past the door, and for what.
 PAST = {
     "experiments/certified_bounds.py": "linear programs, with and without a proof",
-    "experiments/follow/frozen.py": "the checks of numbers and arrays that all records share",
+    "experiments/following/frozen.py": "the checks of numbers and arrays that all records share",
     "experiments/logs/cases.py": "how a robot's poses were split, and which rows the pieces are cut from",
     "experiments/logs/certificates.py": "the table of sources, to find the ranges that something rests on",
     "experiments/logs/exactly.py": "rows",
-    "experiments/logs/fields.py": "the same checks",
+    "experiments/logs/gathering.py": "the columns of odometry, to join them",
+    "experiments/logs/reading/fast.py": "the columns of records and their limits",
+    "experiments/logs/reading/fields.py": "the same checks",
+    "experiments/logs/reading/strict.py": "the columns of records",
+    "experiments/logs/reading/typed.py": "the limits of numbers",
     "experiments/logs/records.py": "the same checks",
     "experiments/logs/sides.py": "where targets are at a glance, to prove what the filter took from that",
     "experiments/logs/tum.py": "the same checks",
+    "experiments/logs/writing.py": "the columns of records",
     "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",
 }
 
@@ -89,7 +94,7 @@ def test_importing_the_filter_loads_nothing_that_it_can_do_without():
     assert loaded_by("import filter", "scipy.stats", "scipy.special", "matplotlib", "mujoco", "rerun", "rich", "tyro") == []
 
 
-@pytest.mark.parametrize("name", ["logs", "follow.scenarios", "follow.steps"])
+@pytest.mark.parametrize("name", ["logs", "following.scenarios", "following.steps"])
 def test_reading_a_log_loads_neither_simulator_nor_recorder(name):
     program = f"import experiments.{name}"
     assert loaded_by(program, "mujoco", "sim", "rerun", "matplotlib", f"experiments.{name}") == [f"experiments.{name}"]

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
+from filter import Bearing, Compass, Range
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram, twice_precise_dot
 from filter.linear.solvers import deepest_point, workspace
-from filter.measurements import Bearing, Compass, Range
 from filter.sets.set_membership import SetMembershipFilter
 
 seeds = st.integers(0, 2**32 - 1)

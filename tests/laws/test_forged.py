@@ -11,7 +11,7 @@ from experiments.proof.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.shown import checked_region
 from experiments.proof.sides import Sides
-from filter.measurements import Frame
+from filter import Frame
 from filter.team import Team
 
 LEFT, RIGHT = ([1.0, 2.0], [2.0, 3.0]), ([5.0, 6.0], [7.0, 8.0])  # where the two robots begin

@@ -9,6 +9,7 @@ from helpers.worlds import World
 from filter import (
     Compass,
     ExtendedKalmanFilter,
+    Frame,
     Guarantee,
     Inconsistent,
     InvalidInput,
@@ -21,7 +22,6 @@ from filter import (
     Window,
     follow,
 )
-from filter.measurements import Frame
 
 KINDS = [SetMembershipFilter, RobustFilter, ExtendedKalmanFilter]
 TEAM = Team(2, [[4.0, 0.0]], 0.5, 1.5, [[-6, -6], [6, 6]])

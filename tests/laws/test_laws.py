@@ -7,13 +7,13 @@ import pytest
 from helpers.programs import on_robot
 from helpers.worlds import World, escapes, feasible, of_robot, unit
 
+from filter import Bearing, Compass, Odometry, Range
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import deepest_point, workspace
-from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.projection.proved import position
 from filter.projection.search import project
 from filter.projection.stop import Stop

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from filter import Odometry
 from filter.geometry.angles import AngularIntervals
-from filter.measurements import Odometry
 from filter.sensing.motion import displacements
 from filter.team import Team
 

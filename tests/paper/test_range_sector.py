@@ -5,10 +5,10 @@ import pytest
 import shapely
 
 from experiments.paper.range_sector import least_overestimate, overestimate, polygon_area, polygon_of_rows, sector_area
+from filter import Bearing, Range
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Range
 from filter.projection.stop import Stop
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.set_membership import SetMembershipFilter

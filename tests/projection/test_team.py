@@ -16,12 +16,12 @@ from helpers.programs import (
 from helpers.teams import begun, beliefs
 from helpers.worlds import NO_ROWS, World, escapes, unit
 
+from filter import Range
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.measurements import Range
 from filter.projection.fallback import Fallback
 from filter.projection.stop import Stop
 from filter.projection.team import Projector

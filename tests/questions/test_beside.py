@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import experiments.follow.beside
-from experiments.follow.beside import Beside
-from experiments.follow.scenarios import Scenario
-from experiments.follow.steps import steps
+import experiments.following.beside
+from experiments.following.beside import Beside
+from experiments.following.scenarios import Scenario
+from experiments.following.steps import steps
 from experiments.logs import Header, InitialSet
 from filter import Compass, ExtendedKalmanFilter, Frame, InvalidInput, Team
 
@@ -33,7 +33,7 @@ def test_where_it_cannot_go_on_it_ends_and_says_why(monkeypatch):
             raise InvalidInput("smaller numbers", 1e300)
         return belief
 
-    monkeypatch.setattr(experiments.follow.beside.ExtendedKalmanFilter, "update", fails)
+    monkeypatch.setattr(experiments.following.beside.ExtendedKalmanFilter, "update", fails)
     beside = Beside(scenario())
     assert [beside.estimate(frame) is None for frame in scenario().frames] == [False, False, True, True, True]
     assert "smaller numbers" in beside.failure

@@ -17,7 +17,7 @@ from experiments.against_ekf.recording import Episodes
 from experiments.against_ekf.table import kept_every_truth, summary_of, write_csv
 from experiments.against_ekf.tuning import TUNED, odometry_deviations
 from experiments.ekf_comparison import main
-from experiments.follow.ellipses import (
+from experiments.following.ellipses import (
     WIDE_SIZE,
     EllipseTally,
     ellipse_areas,
@@ -25,8 +25,8 @@ from experiments.follow.ellipses import (
     normalised_squares,
     outside,
 )
-from experiments.follow.side_by_side import Case, compare
-from experiments.follow.steps import steps
+from experiments.following.side_by_side import Case, compare
+from experiments.following.steps import steps
 from experiments.paper.merge_orders import compare_orders, spread_over_orders, static_case
 from experiments.show.terminal import too_short
 from filter import Frame, GaussianBelief, Inconsistent, Polygon, SetMembershipFilter, Stop, Team, Truth, follow, watch
@@ -228,7 +228,7 @@ def test_a_filter_that_stops_has_not_contained_what_came_after(monkeypatch):
                 raise Inconsistent("here", ["a source"])
             yield step
 
-    monkeypatch.setattr("experiments.follow.side_by_side.steps", stopping)
+    monkeypatch.setattr("experiments.following.side_by_side.steps", stopping)
     row = compare(Case("uniform", 3, robots=2, duration=0.5))["row"]
     assert (row["checks"], row["set_contained"], row["set_inconsistent"]) == (10, 6, 1)
     assert row["set_containment"] == 0.6

@@ -4,12 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments.follow.metrics import Metrics
+from experiments.following.metrics import Metrics
+from filter import Bearing, Compass, Frame, Truth
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.measurements import Bearing, Compass, Frame, Truth
 from filter.projection.claims import Hulls
 from filter.sets.regions import Regions
 from filter.sets.set_membership import SetMembershipFilter

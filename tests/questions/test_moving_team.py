@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from helpers.recordings import rerun, rows_of
 
-import experiments.moving_team
+import experiments.keeping.recorded
+import experiments.keeping.running
 import experiments.show.viewer
-from experiments.follow.scenarios import from_log
-from experiments.follow.steps import Contacts, steps
+from experiments.following.scenarios import from_log
+from experiments.following.steps import Contacts, steps
 from experiments.logs import LogReader, tum_line
 from experiments.moving_team import Following, Options, main, scenario_of
 from experiments.show.output import Trajectories, output_folder
@@ -104,8 +105,8 @@ def test_a_check_is_one_robot_at_one_frame(simulated):
 NEW_PROCESS = """
 import sys
 from pathlib import Path
-from experiments.follow.scenarios import from_log
-from experiments.follow.steps import steps, warmed_up
+from experiments.following.scenarios import from_log
+from experiments.following.steps import steps, warmed_up
 from filter import SetMembershipFilter
 
 scenario = from_log(Path(sys.argv[1]))
@@ -364,13 +365,13 @@ def test_a_log_is_never_replayed_onto_itself(simulated, tmp_path, capsys):
 
 
 def test_ctrl_c_ends_with_a_message_and_whole_files(tmp_path, monkeypatch, capsys):
-    def interrupted(*arguments):
-        for step in steps(*arguments):
+    def interrupted(*arguments, **options):
+        for step in steps(*arguments, **options):
             yield step
             if step.frame.time >= 0.5:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(experiments.moving_team, "steps", interrupted)
+    monkeypatch.setattr(experiments.keeping.running, "steps", interrupted)
     assert main([*SHORT, "--out", str(tmp_path)]) == 130
     assert "stopped" in capsys.readouterr().err
     assert rerun("verify", tmp_path / "moving_team.rrd").returncode == 0
@@ -399,7 +400,7 @@ def test_a_live_viewer_that_cannot_be_opened_is_told(tmp_path, monkeypatch, caps
     def nothing():
         raise NoViewer("none here")
 
-    monkeypatch.setattr(experiments.moving_team, "open_viewer", nothing)
+    monkeypatch.setattr(experiments.keeping.recorded, "open_viewer", nothing)
     assert main([*SHORT, "--view", "--out", str(tmp_path)]) == 2
     assert "no live viewer (none here)" in capsys.readouterr().err
 

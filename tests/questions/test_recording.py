@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from helpers.recordings import rerun, rows_of
 
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import steps
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import steps
 from experiments.show.blueprint import INDIVIDUALLY
 from experiments.show.colours import colour_of, mixed
 from experiments.show.drawing import TRAIL, Drawing, Strips

@@ -10,7 +10,7 @@ from helpers import tasks
 from helpers.recordings import rerun, rows_of
 
 from experiments import scaling
-from experiments.follow.steps import steps
+from experiments.following.steps import steps
 from experiments.growth import run as scaling_run
 from experiments.growth.run import area_ratio_to_team, ekf_step_ms, mean_area, measure, window_sizes
 from experiments.growth.size import LEFT_OUT, Case

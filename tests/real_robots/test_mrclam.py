@@ -9,7 +9,7 @@ from helpers.mrclam_folder import CLOCK, Made, write_run
 from helpers.recordings import rows_of
 
 from experiments import mrclam
-from experiments.follow.steps import steps
+from experiments.following.steps import steps
 from experiments.logs import read_trajectory
 from experiments.mrclam import Changes, main, numbers_of
 from experiments.real_robots.bounds import Bounds

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from experiments.real_robots.carried import Carried, CarriedBounds
+from filter import Bearing, Compass, Frame, Odometry, Range
 from filter.errors import InvalidInput
-from filter.measurements import Bearing, Compass, Frame, Odometry, Range
 
 
 def carried(*commands, hold=2.0, **bounds):

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from filter import Bearing, Odometry, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Odometry, Range
 from filter.robust.belief import Late, Turned
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.robust_filter import RobustFilter

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from helpers.robust_worlds import GUILTY, inside, started, turned_in, world_of
 
+from filter import Bearing, Compass, Odometry, Range
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.robust.belief import Late, Restarted, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from helpers.robust_worlds import GUILTY, inside, missing, started, turned_in, world_of
 
+from filter import Bearing, Range
 from filter.geometry.angles import wrap
-from filter.measurements import Bearing, Range
 from filter.robust.belief import Late, Restarted
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from filter import Bearing, Odometry, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.measurements import Bearing, Odometry, Range
 from filter.robust.belief import Disagreement, Restarted
 from filter.robust.hypotheses import EARLIER
 from filter.robust.robust_filter import RobustFilter

@@ -5,9 +5,9 @@ import pytest
 from helpers.liars import LIES, Liar
 from helpers.worlds import World, escapes
 
+from filter import Range
 from filter.errors import Inconsistent
 from filter.geometry.polygon import Polygon
-from filter.measurements import Range
 from filter.projection.fallback import Fallback
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Range
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
 from filter.sets.belief import Rejected

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from helpers.robust_worlds import ARENA, missing, started, world_of
 
+from filter import Bearing, Compass, Odometry, Range
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.measurements import Bearing, Compass, Odometry, Range
 from filter.robust.belief import Disagreement, Distrusted, Restarted
 from filter.robust.hypotheses import AGREED
 from filter.robust.robust_filter import RobustFilter

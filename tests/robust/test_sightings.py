@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from filter.measurements import Bearing, Compass, Range
+from filter import Bearing, Compass, Range
 from filter.robust.robust_filter import sightings_in
 from filter.robust.slices import FARTHEST
 

@@ -98,12 +98,12 @@ def test_no_motion_within_the_bounds_leaves_the_slices(seed):
     position, heading = pose(rng)
     low, high, reach = slices_around(rng, position, heading)
     distance, turn = np.sort(rng.uniform(-1, 1, 2)), np.sort(rng.uniform(-2, 2, 2))
-    aside, slip = rng.uniform(0, 0.3), rng.uniform(0, 0.1)
+    aside, slip, sideways = rng.uniform(0, 0.3), rng.uniform(0, 0.1), rng.choice([0.0, rng.uniform(-4, 4)])
     driven, turned = rng.choice([*distance, distance.mean()]), rng.choice([*turn, turn.mean()])
-    way = heading + turned / 2 + aside * rng.choice([-1, 0, 1])
+    way = heading + turned / 2 + sideways + aside * rng.choice([-1, 0, 1])
     moved = position + driven * np.sinc(turned / 2 / np.pi) * direction(way) + slip * direction(rng.uniform(-4, 4))
     anywhere = supports([[-99, -99], [99, 99], [-99, 99], [99, -99]])
-    assert move(distance, turn, np.array([aside, slip]), anywhere, low, high, reach).all()
+    assert move(distance, turn, np.array([aside, slip, sideways]), anywhere, low, high, reach).all()
     assert holds(low, high, reach, moved, heading + turned)
 
 

@@ -6,11 +6,11 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from filter import Bearing, Range
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Range
 from filter.sensing.cell import CELL_CORNERS, Scale, cut
 from filter.sensing.cells import Places, Told, as_sets, by_cases
 from filter.sensing.readings import Readings

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from helpers.worlds import World, of_robot
 
+from filter import Bearing, Compass, Range
 from filter.errors import Inconsistent
-from filter.measurements import Bearing, Compass, Range
 from filter.sensing.headings import narrowed_headings
 from filter.sensing.readings import Readings
 from filter.sensing.rows import spans_of_targets

@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+from filter import Odometry
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import area_of, hull_of
 from filter.geometry.polygon import clip
 from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
-from filter.measurements import Odometry
 from filter.sensing.motion import CORNERS, Displacements, displacements, turned_headings
 from filter.team import Team
 
@@ -44,12 +44,14 @@ def odometry(rng, count, kind):
         values["turn_bound"] = np.pi - np.abs(values["turn"])
     if kind == "wide":
         values |= {"turn_bound": rng.uniform(0, 2, count), "direction_bound": rng.uniform(0, 1.5, count)}
+    if kind == "sideways":
+        values["aside"] = rng.uniform(-4, 4, count)
     if kind == "exact":
         values |= {name: np.zeros(count) for name in values if name.endswith("bound")}
     return Odometry(start=0.0, time=1.0, robot=np.arange(count), **values)
 
 
-KINDS = ["forwards", "backwards", "around 0", "on the spot", "sharp", "wide", "exact"]
+KINDS = ["forwards", "backwards", "around 0", "on the spot", "sharp", "wide", "sideways", "exact"]
 
 
 def ends(rng, record, robot, heading, extreme):
@@ -64,7 +66,7 @@ def ends(rng, record, robot, heading, extreme):
 
     length = record.distance[robot] + record.distance_bound[robot] * error(PATHS)
     turn = record.turn[robot] + record.turn_bound[robot] * error(PATHS)
-    middle = heading + turn / 2 + record.direction_bound[robot] * error(PATHS)
+    middle = heading + turn / 2 + record.aside[robot] + record.direction_bound[robot] * error(PATHS)
     share = np.linspace(-0.5, 0.5, 401)
     shape = np.where(rng.random(PATHS) < 0.5, 1.0, rng.uniform(0.2, 5, PATHS))[:, None]
     along = np.sign(share) * 0.5 * np.abs(2 * share) ** shape  # symmetric: its average is along the middle

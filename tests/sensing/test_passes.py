@@ -9,12 +9,13 @@ from helpers.worlds import World, escapes, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.follow.simulated import from_simulator
-from experiments.follow.steps import steps
+from experiments.following.simulated import from_simulator
+from experiments.following.steps import steps
+from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Range, field_names
+from filter.records.record import field_names
 from filter.sensing.cells import ByCases
 from filter.sensing.passes import Directions, are_smaller, boxed_at_a_glance, matter
 from filter.sensing.readings import Readings

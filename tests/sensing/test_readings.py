@@ -5,8 +5,9 @@ import pytest
 from helpers.teams import begun
 from helpers.worlds import World
 
+from filter import Bearing, Compass, Position, Range
 from filter.linear.sources import Source, Sources
-from filter.measurements import Bearing, Compass, Range, field_names
+from filter.records.record import field_names
 from filter.sensing.readings import KIND_OF, Readings
 from filter.sets.set_membership import SetMembershipFilter
 
@@ -50,11 +51,19 @@ def test_what_differs_in_any_column_stays():
 
 def test_bearings_ranges_and_cells_are_entered_in_order_and_compasses_are_not():
     records = [Compass(1.0, [0, 1], [0.1, 0.2], 0.1), Range(1.0, [1, 0], [0, 2], 1.0, 0.1, 0), Bearing(1.0, 0, 1, 0.3, 0.1)]
+    records += [Position.half_plane(1.0, 1, [1, 0], 2.0)]
     before, _ = Sources().extended("initial set", 0.0, [0, 1])
     table, numbers = Readings.of(1.0, records).numbered(before, 2)
-    expected = [("bearing", 0, 1), ("range", 0, 2), ("range", 1, 0), ("cells", 0, None), ("cells", 1, None)]
+    expected = [
+        ("bearing", 0, 1),
+        ("range", 0, 2),
+        ("range", 1, 0),
+        ("position", 1, None),
+        ("cells", 0, None),
+        ("cells", 1, None),
+    ]
     assert [table[k] for k in numbers] == [Source(kind, 1.0, robot, target) for kind, robot, target in expected]
-    assert set(KIND_OF) == {Compass, Bearing, Range}
+    assert set(KIND_OF) == {Compass, Bearing, Range, Position}
 
 
 def test_who_is_concerned_is_who_measured_and_who_was_measured():
@@ -66,6 +75,6 @@ def test_who_is_concerned_is_who_measured_and_who_was_measured():
 
 def test_no_record_is_no_reading():
     nothing = Readings.of(0.0, [])
-    assert [len(record.robot) for record in nothing] == [0, 0, 0]
+    assert [len(record.robot) for record in nothing.records] == [0, 0, 0, 0]
     assert not nothing.tie_robots(3)
     assert nothing.ranges.robot.dtype == np.int64

@@ -8,12 +8,12 @@ from helpers.worlds import NO_ROWS, exact_slack, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
+from filter import Bearing, Compass, Range
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import clip
 from filter.geometry.sector import far_and_near, sides
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.measurements import Bearing, Compass, Range
 from filter.sensing.headings import heading_arcs_of_bearing, heading_arcs_of_compass
 from filter.sensing.rows import (
     WIDENING,

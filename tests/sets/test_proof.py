@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from filter import Range
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
-from filter.measurements import Range
 from filter.projection.claims import Weights
 from filter.sets.proof import Proof, causes_of
 from filter.sets.set_membership import SetMembershipFilter

@@ -8,10 +8,10 @@ from helpers.programs import on_robot
 from helpers.teams import BOX, TEAM, begun, estimator, odometry, snapshot, started
 from helpers.worlds import World, escapes
 
+from filter import Bearing, Compass, Range
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Range
 from filter.projection.stop import never
 from filter.sets.belief import Rejected
 from filter.sets.conflict import Premises, conflict_of, single, without

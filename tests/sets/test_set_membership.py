@@ -6,12 +6,12 @@ from helpers.programs import supports
 from helpers.teams import BOX, TEAM, beliefs, estimator, odometry, snapshot, started
 from helpers.worlds import World, escapes, outside_hull
 
+from filter import Bearing, Compass, Range
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD
 from filter.linear.sources import Source
-from filter.measurements import Bearing, Compass, Range
 from filter.projection.stop import Stop
 from filter.projection.window import Window
 from filter.sets.set_membership import SetMembershipFilter
@@ -36,7 +36,7 @@ BAD_UPDATES = {
     "negative bound": (lambda: [Compass(0, 0, 0, -0.1)], InvalidInput, r"compass bound \[rad\]: .*; came -0\.1"),
     "wide bound": (lambda: [Bearing(0, 0, 1, 0, 2.0)], InvalidInput, r"bearing bound \[rad\]: .*; came 2\.0"),
     "good before bad": (lambda: [Compass(0, 0, 0, 0.1), Compass(0, 7, 0, 0.1)], InvalidInput, "came robot 7"),
-    "motion": (lambda: [odometry(0, 0)], InvalidInput, "records of compass, bearing or range; came Odometry"),
+    "motion": (lambda: [odometry(0, 0)], InvalidInput, "records of compass, bearing, range or position; came Odometry"),
 }
 
 

@@ -7,9 +7,9 @@ import pickle
 import numpy as np
 import pytest
 
+from filter import Bearing, Compass, Range
 from filter.errors import InvalidInput
 from filter.geometry.angles import wrap
-from filter.measurements import Bearing, Compass, Range
 from sim.episode import MEASUREMENT_CHOICES, episode
 from sim.errors import ERROR_KINDS
 from sim.sensors import Sensors
@@ -152,7 +152,7 @@ def test_the_team_is_what_the_filter_starts_from():
     assert team.arena.tolist() == [[-6, -4], [6, 4]]
     positions = np.array([frame.truth.positions for frame in records])
     assert ((positions > team.arena[0]) & (positions < team.arena[1])).all()
-    assert np.linalg.norm(np.diff(positions, axis=0), axis=2).max() <= team.speed_limit * 0.1
+    assert (np.linalg.norm(np.diff(positions, axis=0), axis=2) <= team.speed_limit * 0.1).all()
     assert all(
         (np.abs(frame.odometry.turn) - frame.odometry.turn_bound <= team.turn_rate_limit * 0.1).all() for frame in records[1:]
     )

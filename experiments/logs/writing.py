@@ -1,0 +1,151 @@
+"""How a log is written: the JSON object of every record. See docs/log.md; files are in `experiments.logs.log`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Left, Record, TruthAt, numbered
+from filter import Array, Frame, InvalidInput, Measurement, Odometry, Position, Team, Twist
+from filter.records.record import field_names
+
+Object = dict[str, Any]
+ASIDE = "aside"  # a column that is left out where all robots drive straight ahead
+
+
+def header_object(header: Header) -> Object:
+    """Return the header of a log."""
+    team = header.team
+    arena = [[value if np.isfinite(value) else None for value in corner] for corner in team.arena.tolist()]
+    names = team.names[: team.robots]
+    return {
+        "record": "header",
+        "format": FORMAT,
+        "version": header.version,
+        "robots": team.robots if names == numbered("r", team.robots) else names,
+        "landmarks": _landmarks(team),
+        "arena": arena,
+        "speed_limit": _limit(names, team.speed_limit),
+        "turn_rate_limit": _limit(names, team.turn_rate_limit),
+        **_accelerations(team),
+        "start": float(header.start),
+        "rate": None if header.rate is None else float(header.rate),
+    }
+
+
+def _landmarks(team: Team) -> list[list[float]] | dict[str, list[float]]:
+    names, places = team.names[team.robots :], team.landmarks.tolist()
+    return places if names == numbered("l", len(places)) else dict(zip(names, places, strict=True))
+
+
+def _limit(names: Sequence[str], limits: Array) -> Any:
+    """Return the limit that all robots have, or else each one's by its name; null where nobody knows."""
+    known = [limit if np.isfinite(limit) else None for limit in limits.tolist()]
+    return known[0] if known == known[:1] * len(known) else dict(zip(names, known, strict=True))
+
+
+def _accelerations(team: Team) -> Object:
+    limits = {name: getattr(team, name) for name in ("acceleration_limit", "turn_acceleration_limit")}
+    return {name: _limit(team.names[: team.robots], limit) for name, limit in limits.items() if np.isfinite(limit).any()}
+
+
+def initial_object(header: Header, robot: int, known: InitialSet) -> Object:
+    """Return one robot's initial set."""
+    heading = None if known.heading is None else {"centre": float(known.heading[0]), "bound": float(known.heading[1])}
+    vertices = None if known.vertices is None else known.vertices.tolist()
+    return {"record": "initial", "robot": _called(header, robot), "vertices": vertices, "heading": heading}
+
+
+def frame_objects(header: Header, frame: Frame) -> list[Object]:
+    """Return a frame's records: odometry, measurements, truth, and the one that ends it.
+
+    Raises:
+        InvalidInput: The log's version has nothing for one of them.
+    """
+    records: list[Record] = [] if frame.odometry is None else [frame.odometry]
+    records += frame.measurements
+    if frame.truth is not None:
+        records.append(TruthAt(frame.time, np.arange(header.team.robots), frame.truth))
+    return [object_of(header, record) for record in (*records, FrameEnd(frame.time))]
+
+
+def object_of(header: Header, record: Record) -> Object:
+    """Return a record's object.
+
+    Raises:
+        InvalidInput: The log's version has nothing for such a record.
+    """
+    time = float(record.time)
+    match record:
+        case FrameEnd():
+            return {"record": "frame", "time": time}
+        case TruthAt():
+            return {"record": "truth", "time": time, **_truth(header, record)}
+        case Joined():
+            _later(header, "a robot that joins")
+            return {**initial_object(header, record.robot, record.known), "time": time}
+        case Left():
+            _later(header, "a robot that leaves")
+            return {"record": "leave", "time": time, "robot": _called(header, record.robot)}
+        case Odometry():
+            return {"record": "odometry", "start": record.start, "time": time, **_columns(header, record)}
+    if isinstance(record, Twist | Position):
+        _later(header, type(record).__name__)
+    return {"record": type(record).__name__.lower(), "time": time, **_columns(header, record)}
+
+
+def _later(header: Header, what: str) -> None:
+    if header.version == FIRST:
+        raise InvalidInput("a log of version 2, as of Header(..., version=2)", f"{what} for one of version 1")
+
+
+def _truth(header: Header, record: TruthAt) -> Object:
+    positions, headings = record.truth.positions, record.truth.headings
+    if np.isnan(headings).any() or np.isnan(positions).any():
+        _later(header, "truth that nobody knows")
+    if (np.isnan(positions[:, 0]) != np.isnan(positions[:, 1])).any():
+        raise InvalidInput("true positions known in x and in y, or not at all", positions.tolist())
+    places = [None if np.isnan(place[0]) else place for place in positions.tolist()]
+    ways = [None if np.isnan(heading) else heading for heading in headings.tolist()]
+    if record.robot.tolist() == [*range(header.team.robots)]:
+        return {"positions": places, "headings": ways}
+    if len(places) != 1:
+        raise InvalidInput("truth of all robots, in their order, or of one", f"of robots {record.robot.tolist()}")
+    _later(header, "truth of one robot")
+    return {"robot": _called(header, int(record.robot[0])), "position": places[0], "heading": ways[0]}
+
+
+def _columns(header: Header, record: Measurement | Odometry | Twist) -> Object:
+    columns: Object = {}
+    for name in field_names(record):
+        column = getattr(record, name).tolist()
+        if name == ASIDE:
+            columns |= _aside(header, column)
+        elif name == "target":
+            columns |= _targets(header, column)
+        else:
+            columns[name] = [_called(header, robot) for robot in column] if name == "robot" else column
+    return columns
+
+
+def _aside(header: Header, column: list[float]) -> Object:
+    if not any(column):
+        return {}
+    _later(header, "odometry with a robot that drives aside")
+    return {ASIDE: column}
+
+
+def _targets(header: Header, targets: list[int]) -> Object:
+    """Return the columns of robots and of landmarks; a column of nothing is left out."""
+    robots = header.team.robots
+    mates = [_called(header, body) if body < robots else None for body in targets]
+    marks = [_called(header, body) if body >= robots else None for body in targets]
+    columns = {"target": mates, "landmark": marks}
+    return {name: column for name, column in columns.items() if any(body is not None for body in column)} or {"target": []}
+
+
+def _called(header: Header, body: int) -> int | str:
+    """Return a body's name, if the team has names, or else its number; landmarks are numbered from 0 on."""
+    return header.team.names[body] if header.named else int(body) - header.team.robots * (body >= header.team.robots)

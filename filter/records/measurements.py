@@ -1,0 +1,207 @@
+"""What sensors say: records with a value and a bound, one or many at a time; and what one instant gives, with the truth.
+
+A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array, and
+numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats or of
+whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of numpy's); text will not. Every record raises
+`InvalidInput` if a value is of another type, not finite, or out of its range, or if the columns differ in length.
+
+Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
++- bound, always: a bound is a promise, not a deviation.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from filter.arrays import Array, Floats, Integers, checked, finite, instance, number, several, shown, whole_number
+from filter.errors import InvalidInput
+from filter.geometry.convex import EPSILON
+from filter.geometry.polygon import BY_HAND, Polygon
+from filter.records.record import BELOW_1, BELOW_90_DEGREES, ROBOT, TARGET, TIME, Record
+
+
+class _Sighting(Record):
+    """Base of records of targets: none is the robot that measures."""
+
+    robot: Integers
+    target: Integers
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        itself = self.robot[self.robot == self.target]
+        if len(itself):
+            name = type(self).__name__.lower()
+            raise InvalidInput(f"{name}: a target other than the robot that measures", f"robot {itself[0]} on itself")
+
+
+@dataclass(frozen=True, eq=False)
+class Compass(Record):
+    """Headings in the world frame, by compass.
+
+    Attributes:
+        time: When [s].
+        robot: (k,) who measured.
+        heading: (k,) measured yaw, counter-clockwise from +x [rad].
+        bound: (k,) largest error, in [0, pi] [rad].
+    """
+
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    heading: Array = field(metadata=checked(finite, "heading [rad]"))
+    bound: Array = field(metadata=checked(finite, "compass bound [rad]", 0, np.pi))
+
+    if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
+
+        def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats) -> None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Bearing(_Sighting):
+    """Directions to targets in the measuring robot's own frame.
+
+    Attributes:
+        time: When [s].
+        robot: (k,) who measured.
+        target: (k,) robot or landmark that was seen, not itself.
+        bearing: (k,) measured angle from the robot's forward axis, counter-clockwise [rad].
+        bound: (k,) largest error, in [0, pi/2) [rad].
+    """
+
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    target: Integers = field(metadata=TARGET)
+    bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
+    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, BELOW_90_DEGREES))
+
+    if TYPE_CHECKING:
+
+        def __init__(self, time: float, robot: Floats, target: Floats, bearing: Floats, bound: Floats) -> None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Range(_Sighting):
+    """Distances to targets; the true distance d gives a value within d (1 +- relative_bound) +- bound.
+
+    Attributes:
+        time: When [s].
+        robot: (k,) who measured.
+        target: (k,) robot or landmark that was seen, not itself.
+        range: (k,) measured distance, from 0 on [m].
+        bound: (k,) largest absolute error, from 0 on [m].
+        relative_bound: (k,) largest relative error, in [0, 1).
+    """
+
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    target: Integers = field(metadata=TARGET)
+    range: Array = field(metadata=checked(finite, "range [m]", 0))
+    bound: Array = field(metadata=checked(finite, "range bound [m]", 0))
+    relative_bound: Array = field(metadata=checked(finite, "relative range bound", 0, BELOW_1))
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, time: float, robot: Floats, target: Floats, range: Floats, bound: Floats, relative_bound: Floats
+        ) -> None: ...
+
+    def interval(self) -> tuple[Array, Array]:
+        """Return the (k,) least and greatest true distances [m]; a lower end below 0 is 0."""
+        return interval_of_measured(self.range, self.bound, self.relative_bound, lowest=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Position(Record):
+    """Where robots are, in half-planes normal . x <= offset: a position fix, a room, a dock, one side of a line.
+
+    All half-planes of one robot in one record are one measurement. As a rule made by `fix`, `disc`, `within` or `half_plane`.
+
+    Attributes:
+        time: When [s].
+        robot: (k,) who is there.
+        normal_x: (k,) outward normal, of length 1 to rounding.
+        normal_y: (k,)
+        offset: (k,) [m].
+    """
+
+    time: float = field(metadata=TIME)
+    robot: Integers = field(metadata=ROBOT)
+    normal_x: Array = field(metadata=checked(finite, "normal", -2, 2))
+    normal_y: Array = field(metadata=checked(finite, "normal", -2, 2))
+    offset: Array = field(metadata=checked(finite, "offset [m]"))
+
+    if TYPE_CHECKING:
+
+        def __init__(self, time: float, robot: Floats, normal_x: Floats, normal_y: Floats, offset: Floats) -> None: ...
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (np.abs(np.hypot(self.normal_x, self.normal_y) - 1) > BY_HAND).any():
+            raise InvalidInput("normals of length 1 (see Position.half_plane)", shown(self.normals.tolist()))
+
+    @property
+    def normals(self) -> Array:
+        """(k, 2) outward normals."""
+        return np.stack([self.normal_x, self.normal_y], axis=1)
+
+    @classmethod
+    def within(cls, time: float, robot: int, polygon: Polygon) -> Self:
+        """Return that a robot is in a polygon; raises `InvalidInput` if it is none."""
+        edges = instance("a polygon", polygon, Polygon)
+        return cls(time, robot, normal_x=edges.normals[:, 0], normal_y=edges.normals[:, 1], offset=edges.offsets)
+
+    @classmethod
+    def fix(cls, time: float, robot: int, position: Floats, bound: Floats) -> Self:
+        """Return that a robot is within +- bound, one number or one for each axis, of a position (2,) [m], in x and in y."""
+        middle, half = _place("position [m]", position), finite("bound of a position [m]", bound, 0)
+        if half.shape not in ((), (2,)):
+            raise InvalidInput("bound of a position [m]: one number, or one for x and one for y", shown(bound))
+        lower, upper = (np.nextafter(middle + sign * half, sign * np.inf) for sign in (-1, 1))
+        return cls.within(time, robot, Polygon.box(lower, upper))
+
+    @classmethod
+    def disc(cls, time: float, robot: int, centre: Floats, radius: float, sides: int = 32) -> Self:
+        """Return that a robot is no farther from a place (2,) than a radius [m], by so many tangents, from 3 to 1000."""
+        middle, reach = _place("centre [m]", centre), number("radius [m]", radius, 0)
+        angle = 2 * np.pi * np.arange(count := whole_number("sides", sides, 3, 1000)) / count
+        x, y = np.cos(angle), np.sin(angle)
+        rounding = 8 * EPSILON * (np.abs(middle).sum() + reach)
+        return cls(time, robot, x, y, x * middle[0] + y * middle[1] + reach + rounding)
+
+    @classmethod
+    def half_plane(cls, time: float, robot: int, normal: Floats, offset: float) -> Self:
+        """Return that normal . x <= offset of a robot's position [m], for a normal (2,) of any length but 0."""
+        across, beyond = _place("normal", normal), number("offset [m]", offset)
+        length = float(np.hypot(*across))
+        if not length:
+            raise InvalidInput("a normal with a direction", shown(normal))
+        x, y = across / length
+        return cls(time, robot, x, y, np.nextafter(beyond / length, np.inf))
+
+
+Measurement = Compass | Bearing | Range | Position
+MEASUREMENTS = (Compass, Bearing, Range, Position)
+
+
+def _place(name: str, values: Floats) -> Array:
+    place = finite(name, values)
+    if place.shape != (2,):
+        raise InvalidInput(f"{name}: two coordinates", shown(values))
+    return place
+
+
+def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
+    """Return records of measurements, from whatever holds them; raises `InvalidInput` if something is none."""
+    return several("records of compass, bearing, range or position", records, *MEASUREMENTS)
+
+
+def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:
+    """Return the least and greatest true values t with |value - t| <= bound + relative_bound |t|.
+
+    From t (1 + e) >= value - bound for a positive t; never value (1 +- e), which cuts off the truth.
+    """
+    low, high = value - bound, value + bound
+    least = np.where(low >= 0, low / (1 + relative_bound), low / (1 - relative_bound))
+    greatest = np.where(high >= 0, high / (1 - relative_bound), high / (1 + relative_bound))
+    return np.maximum(least, lowest), np.maximum(greatest, lowest)

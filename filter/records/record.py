@@ -1,0 +1,40 @@
+"""The base of records: a time, and columns of numbers of one length."""
+
+from dataclasses import fields
+from typing import Any, Self
+
+import numpy as np
+
+from filter.arrays import Frozen, checked, number, read_only, settle, whole
+from filter.errors import InvalidInput
+
+TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
+BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
+
+
+class Record(Frozen):
+    """Base of records: all columns get the length of the longest."""
+
+    def _passed(self) -> dict[str, Any]:
+        kind, values = type(self).__name__, super()._passed()
+        columns = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+        try:
+            arrays = np.broadcast_arrays(*map(np.atleast_1d, columns.values()))
+        except ValueError:
+            lengths = {name: column.size for name, column in columns.items()}
+            raise InvalidInput(f"{kind}: columns of one length", lengths) from None
+        if arrays[0].ndim != 1:
+            raise InvalidInput(f"{kind}: numbers or (k,) columns", f"shape {arrays[0].shape}")
+        return values | dict(zip(columns, arrays, strict=True))
+
+    @classmethod
+    def of_checked(cls, time: float, columns: dict[str, np.ndarray], **times: float) -> Self:
+        """Return a record of columns and times that were checked before, without a look."""
+        record = object.__new__(cls)
+        settle(record, time=time, **times, **{name: read_only(column) for name, column in columns.items()})
+        return record
+
+
+def field_names(record: Any) -> list[str]:
+    """Return the names of a record's columns, its times left out."""
+    return [each.name for each in fields(record) if each.name not in ("start", "time")]

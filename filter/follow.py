@@ -13,7 +13,7 @@ from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry
 
-SAME = 1e-9  # so much less than a time that frames are one step is that time, as stamps are rounded
+AS_LONG = 1e-9  # so much less than a time that frames are one step is that time, as stamps are rounded
 
 
 class Timed(Protocol):
@@ -111,7 +111,7 @@ def _together(
 
     def ended(time: float) -> Iterator[Step[AnyBelief]]:
         nonlocal belief, waiting
-        while waiting and time - waiting[0].time >= (1 - SAME) * every:
+        while waiting and time - waiting[0].time >= (1 - AS_LONG) * every:
             told = [place for place, frame in enumerate(waiting, 1) if frame.truth is not None]
             some, waiting = waiting[: (told or [len(waiting)])[-1]], waiting[(told or [len(waiting)])[-1] :]
             began, before = now(), belief

@@ -7,8 +7,8 @@ from filter.compiled import compiled
 
 COLUMNS = 11  # of a part: see `filter.motions.Motions`
 RESULT = 7  # columns of odometry: distance, its bound, turn, its bound, bounds of direction and slip, aside
-WIDEST = 1.5  # the widest direction bound of a motion; beyond it is a disc [rad]
-ROUNDING = 1e-12  # far above that of all sums here, far below any sensor
+WIDEST_DIRECTION = 1.5  # the widest direction bound of a motion; beyond it is a disc [rad]
+OF_SUMS = 1e-12  # far above that of all sums here, far below any sensor
 
 
 @compiled
@@ -76,7 +76,7 @@ def _cut(part: Array, limits: Array, begin: float, end: float) -> Array:
             low = max(low - off, -most * some, value - bound - most * rest)
             high = min(high + off, most * some, value + bound + most * rest)
         piece[column] = (low + high) / 2
-        piece[column + 1] = max(0.0, high - low) / 2 + ROUNDING * (abs(value) + bound)
+        piece[column + 1] = max(0.0, high - low) / 2 + OF_SUMS * (abs(value) + bound)
     return piece
 
 
@@ -90,7 +90,7 @@ def _sum(pieces: Array, found: Array) -> None:
         angle[k], off[k] = turn + by / 2 + aside, turned + bound / 2 + direction
         x, y = x + distance * np.cos(angle[k]), y + distance * np.sin(angle[k])
         turn, turned, slip = turn + by, turned + bound, slip + slipped
-    found[2], found[3] = turn, turned + ROUNDING * (1 + abs(turn))
+    found[2], found[3] = turn, turned + OF_SUMS * (1 + abs(turn))
     mean, cone = _about_the_mean(pieces, angle, off, x, y), _within_a_cone(pieces, angle, off)
     size = np.abs(pieces[:, 0]) + pieces[:, 1]
     best = mean if mean[5] <= cone[5] else cone
@@ -100,9 +100,9 @@ def _sum(pieces: Array, found: Array) -> None:
     else:
         found[0], found[1], found[4], found[5], found[6] = 0.0, 0.0, 0.0, size.sum() + slip, 0.0
     found[6] -= 2 * np.pi * np.round(found[6] / (2 * np.pi))
-    found[1] += ROUNDING * size.sum()
-    found[4] += ROUNDING
-    found[5] += ROUNDING * (size.sum() + slip)
+    found[1] += OF_SUMS * size.sum()
+    found[4] += OF_SUMS
+    found[5] += OF_SUMS * (size.sum() + slip)
 
 
 @compiled
@@ -119,7 +119,7 @@ def _about_the_mean(pieces: Array, angle: Array, off: Array, x: float, y: float)
         along, across = along + ahead * c + aside * s, across + ahead * s + aside * c
     nearest, farthest = length - along, np.hypot(length + along, across)
     width = np.arctan2(across, max(nearest, 1e-300))
-    if nearest <= 0 or width >= WIDEST:
+    if nearest <= 0 or width >= WIDEST_DIRECTION:
         return np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf])
     forwards = abs(way) <= np.pi / 2
     sign, way = (1.0, way) if forwards else (-1.0, way - np.sign(way) * np.pi)
@@ -137,7 +137,7 @@ def _within_a_cone(pieces: Array, angle: Array, off: Array) -> Array:
     if low > high:
         return np.zeros(6)
     width = (high - low) / 2
-    if width >= WIDEST:
+    if width >= WIDEST_DIRECTION:
         return np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf])
     least = greatest = forth = back = 0.0
     chord = np.cos(width)

@@ -11,9 +11,9 @@ from typing import cast
 
 import numpy as np
 
+from experiments.logs.checks import field_names
 from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Left, Record, TruthAt, settled
 from filter import Arrival, Frame, InvalidInput, Measurement, Odometry, Truth, Twist
-from filter.records.record import field_names
 
 FOLLOWED = "robots that are there all the time: only such are followed as yet (LogReader.records yields the others, too)"
 

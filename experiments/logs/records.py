@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from experiments.logs.checks import finite, read_only
 from filter import (
     AngularIntervals,
     AnyBelief,
@@ -23,7 +24,6 @@ from filter import (
     Truth,
     Twist,
 )
-from filter.arrays import finite, read_only
 
 FORMAT = "corral-log"
 FIRST, SECOND = 1, 2  # versions of the format

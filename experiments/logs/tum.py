@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from experiments.logs.checks import read_only
 from experiments.logs.text import TextFile
 from filter import Array, InvalidInput
-from filter.arrays import read_only
 
 COLUMNS = 8
 ROBOT = re.compile(r"r(\d+)(?!\d)")  # what a file's name begins with

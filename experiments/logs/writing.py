@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from experiments.logs.checks import field_names
 from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Left, Record, TruthAt, numbered
 from filter import Array, Frame, InvalidInput, Measurement, Odometry, Position, Team, Twist
-from filter.records.record import field_names
 
 Object = dict[str, Any]
 ASIDE = "aside"  # a column that is left out where all robots drive straight ahead

@@ -19,16 +19,9 @@ PAST = {
     "experiments/following/frozen.py": "the checks of numbers and arrays that all records share",
     "experiments/logs/cases.py": "how a robot's poses were split, and which rows the pieces are cut from",
     "experiments/logs/certificates.py": "the table of sources, to find the ranges that something rests on",
+    "experiments/logs/checks.py": "the same checks, for all of logs",
     "experiments/logs/exactly.py": "rows",
-    "experiments/logs/gathering.py": "the columns of odometry, to join them",
-    "experiments/logs/reading/fast.py": "the columns of records and their limits",
-    "experiments/logs/reading/fields.py": "the same checks",
-    "experiments/logs/reading/strict.py": "the columns of records",
-    "experiments/logs/reading/typed.py": "the limits of numbers",
-    "experiments/logs/records.py": "the same checks",
     "experiments/logs/sides.py": "where targets are at a glance, to prove what the filter took from that",
-    "experiments/logs/tum.py": "the same checks",
-    "experiments/logs/writing.py": "the columns of records",
     "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",
 }
 

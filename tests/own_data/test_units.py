@@ -48,8 +48,8 @@ def test_degrees_are_radians_of_another_name(degrees, convention):
 def test_a_needle_that_points_east_of_north_is_corrected_to_the_east_in_both_conventions(north, declination):
     """True north lies `declination` to the left of where the needle points."""
     true = north + declination
-    by_ned = Door(convention="ned", declination=declination).heading(north)
-    by_enu = Door(declination=declination).heading(math.pi / 2 - north)
+    by_ned = Door(declared=True, convention="ned", declination=declination).heading(north)
+    by_enu = Door(declared=True, declination=declination).heading(math.pi / 2 - north)
     assert apart(by_ned, math.pi / 2 - true) < CLOSE
     assert apart(by_enu, math.pi / 2 - true) < CLOSE
 

@@ -16,13 +16,12 @@ from msgspec import UNSET, DecodeError
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
+from experiments.logs.checks import BELOW_90_DEGREES, LARGEST, field_names, read_only
 from experiments.logs.reading import typed
 from experiments.logs.reading.bodies import Bodies, bodies_of
 from experiments.logs.reading.pairs import without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Record, TruthAt, settled
 from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, Truth, Twist
-from filter.arrays import LARGEST, read_only
-from filter.records.record import BELOW_90_DEGREES, field_names
 
 _NAMES: dict[type, list[str]] = {kind: field_names(kind) for kind in (Odometry, Twist, Compass, Bearing, Range)}
 _MOST: dict[type[Compass | Bearing | Range], float] = {Compass: np.pi, Bearing: BELOW_90_DEGREES, Range: LARGEST}

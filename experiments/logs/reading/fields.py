@@ -8,9 +8,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from experiments.logs.checks import finite
 from experiments.logs.reading.bodies import Bodies
 from filter import Array, Integers, InvalidInput
-from filter.arrays import finite
 
 
 def _no_number(text: str) -> NoReturn:

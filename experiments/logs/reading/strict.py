@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from experiments.logs.checks import field_names, read_only
 from experiments.logs.reading.bodies import bodies_of
 from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.heads import read_set
 from experiments.logs.reading.pairs import VALUES, without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Left, Record, TruthAt
 from filter import Bearing, Compass, Integers, InvalidInput, Odometry, Polygon, Position, Range, Truth, Twist
-from filter.arrays import read_only
-from filter.records.record import field_names
 
 ASIDE = "aside"  # a column that need not be there
 

@@ -8,8 +8,7 @@ import numpy as np
 from msgspec import UNSET, Meta, Struct, UnsetType
 from msgspec.json import Decoder
 
-from filter.arrays import LARGEST
-from filter.records.odometry import SHORTEST
+from experiments.logs.checks import LARGEST, SHORTEST
 
 Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Meta(ge=0, le=LARGEST)]

@@ -1,0 +1,7 @@
+"""The filter's own checks of numbers and columns, which logs share: what they refuse is refused here, in the same words."""
+
+from filter.arrays import LARGEST, finite, read_only
+from filter.records.odometry import SHORTEST
+from filter.records.record import BELOW_90_DEGREES, field_names
+
+__all__ = ["BELOW_90_DEGREES", "LARGEST", "SHORTEST", "field_names", "finite", "read_only"]

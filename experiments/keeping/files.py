@@ -7,9 +7,10 @@ from types import TracebackType
 
 from experiments.following.located import directions, points
 from experiments.keeping.running import Keeper, Moment
-from experiments.logs import Certificates
+from experiments.logs import Certificates, Header
+from experiments.logs.records import FIRST
 from experiments.show.output import Trajectories
-from filter import Team
+from filter import InvalidInput, Team
 
 
 class Poses(Keeper):
@@ -27,6 +28,14 @@ class Poses(Keeper):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._files.close()
+
+
+def check_provable(header: Header) -> None:
+    """Raise `InvalidInput` if certificates of a log could not be checked: `experiments.prove` reads version 1 as yet."""
+    if header.version != FIRST:
+        raise InvalidInput(
+            "a log of version 1 for --certificates, which is all that is proved as yet", f"version {header.version}"
+        )
 
 
 class Proofs(Keeper):

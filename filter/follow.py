@@ -1,7 +1,7 @@
 """Filters follow what comes: frames, one after the other. Any filter can."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
@@ -62,8 +62,8 @@ class Step(Generic[AnyBelief]):
     """One step of a filter.
 
     Attributes:
-        frame: What the filter was given.
-        predicted: What it knew before it saw the frame's measurements.
+        frame: What the filter was given. Of several instants it is the last one, with all that was measured in them.
+        predicted: What it knew before it saw the frame's measurements; before all of them, of several instants.
         belief: What it knows now.
         seconds: How long predict and update took together; 0 without a clock [s].
     """
@@ -112,11 +112,12 @@ def _together(
     def ended(time: float) -> Iterator[Step[AnyBelief]]:
         nonlocal belief, waiting
         while waiting and time - waiting[0].time >= (1 - AS_LONG) * every:
-            told = [place for place, frame in enumerate(waiting, 1) if frame.truth is not None]
-            some, waiting = waiting[: (told or [len(waiting)])[-1]], waiting[(told or [len(waiting)])[-1] :]
+            last = max((place for place, frame in enumerate(waiting, 1) if frame.truth is not None), default=len(waiting))
+            some, waiting = waiting[:last], waiting[last:]
             began, before = now(), belief
             belief = filter_.advance(belief, some)
-            yield Step(some[-1], before, belief, now() - began)
+            measured = [record for frame in some for record in frame.measurements]
+            yield Step(replace(some[-1], measurements=measured), before, belief, now() - began)
 
     fault, frame = None, next(frames, None)
     while frame is not None:

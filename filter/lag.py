@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, Generic
 
 from filter.arrays import Frozen, checked, function, instance, number, several
-from filter.errors import InvalidInput
+from filter.errors import InvalidInput, OutOfOrder
 from filter.follow import AnyBelief, Filter, Step, a_filter, follow, time_of
 from filter.motions import Motions
 from filter.records.frame import Frame
@@ -105,8 +105,8 @@ class FixedLag(Frozen, Generic[AnyBelief]):
         """Return what is known after records of any times, in any order; what was known stays as it is.
 
         How late measurements are is counted from the newest that came before. Odometry tells of the time since the oldest step.
-        Raises `InvalidInput` if something is no record, and what the inner filter and `Motions.merged` raise; nothing has
-        changed then.
+        Raises `InvalidInput` if something is no record, `OutOfOrder` for a twist from before the oldest step, and what the
+        inner filter and `Motions.merged` raise; nothing has changed then.
         """
         instance("what is known (see begin)", lagged, Lagged)
         some = several("records", records, *MEASUREMENTS, Odometry, Twist)
@@ -120,10 +120,12 @@ class FixedLag(Frozen, Generic[AnyBelief]):
             return lagged
         if lagged.motions is None:
             raise InvalidInput("measurements alone, as a function tells how robots move", type(told[0]).__name__.lower())
-        motions = lagged.motions
+        motions, oldest = lagged.motions, lagged.steps[0].belief.time
         for record in told:
+            if isinstance(record, Twist) and record.time < oldest and len(lagged.steps) > 1:  # it ended one that was relied on
+                raise OutOfOrder("twist", record.time, oldest)
             motions = motions.merged(record)
-        known = replace(lagged, motions=motions.since(lagged.steps[0].belief.time))
+        known = replace(lagged, motions=motions.since(oldest))
         first = min(record.start if isinstance(record, Odometry) else record.time for record in told)
         reached = {step.frame.time: () for step in lagged.steps[1:] if step.frame.time > first}
         return replace(known, steps=self._redone(known, reached))

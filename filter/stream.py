@@ -66,8 +66,9 @@ class _Stream:
     def _take(self, record: Arrival) -> None:
         """Take a record in, or the records of a frame."""
         instance("a record, as it comes", record, *ARRIVALS)
-        is_late = record.time < self._done or (record.time == self._done and not self._first)
-        if is_late and not isinstance(record, Twist):
+        # A twist that holds from the last frame on is in time; one that ended another before that frame is not.
+        is_done = record.time < self._done or (record.time == self._done and not isinstance(record, Twist))
+        if is_done and not (self._first and (record.time == self._done or isinstance(record, Twist))):
             raise OutOfOrder(type(record).__name__.lower(), record.time, self._done)
         if isinstance(record, Odometry | Twist):
             self._motions = self._motions.merged(record)

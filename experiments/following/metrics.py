@@ -86,7 +86,7 @@ class Metrics:
         self.measurements += sum(len(record.robot) for record in frame.measurements)
         self._seconds.append(seconds)
         if isinstance(belief, GaussianBelief):
-            self.rejected += belief.rejected
+            self.rejected = belief.rejected  # so far
         else:
             self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
         if isinstance(belief, RobustBelief):

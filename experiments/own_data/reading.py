@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -21,13 +22,14 @@ class Unmeasured(Exception):
     """A message, or an entry of it, says nothing that could be recorded; the text is why."""
 
 
-class Reading:
+class Reading(ABC):
     """Makes records from the messages of one channel. What says nothing is counted and left out."""
 
     def __init__(self, channel: Channel, facts: Facts, left_out: LeftOut) -> None:
         self.channel, self.stream, self.door = channel, channel.stream, channel.stream.door
         self.facts, self._left_out = facts, left_out
 
+    @abstractmethod
     def records(self, message: Message, stamp: int) -> Iterator[Record]:
         """Yield the records of a message.
 
@@ -39,7 +41,6 @@ class Reading:
             InvalidInput: Something in it is no number, or a number that cannot be meant.
             Unmeasured: It says nothing.
         """
-        raise NotImplementedError
 
     def skip(self, why: object, things: str = "messages") -> None:
         """Count something that is left out."""

@@ -1,4 +1,4 @@
-"""What sensors say: records with a value and a bound, one or many at a time; and what one instant gives, with the truth.
+"""What sensors say: records with a value and a bound, one or many at a time.
 
 A record holds the measurements of one kind taken at one instant: every field but the time is a number or a (k,) array, and
 numbers are repeated to the length of the longest. All are copied: times become floats, columns read-only arrays of floats or of

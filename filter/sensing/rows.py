@@ -77,7 +77,7 @@ def position_rows(record: Position, polytope: Polytope, source: Integers) -> Con
     return Constraints(world, record.robot, normal, record.offset, source).shifted(WIDENING + allowance)
 
 
-def placed(polytope: Polytope, readings: Readings, numbers: Integers, moves: Moves | None) -> Polytope:
+def with_positions(polytope: Polytope, readings: Readings, numbers: Integers, moves: Moves | None) -> Polytope:
     """Return a polytope with the rows of positions, whose numbers are among those of readings (see `Readings.numbered`)."""
     first = len(readings.bearings.robot) + len(readings.ranges.robot)
     if not len(readings.positions.robot):

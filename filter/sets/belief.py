@@ -68,7 +68,6 @@ class Belief:
             were projected, as of the last update; before them what was proved case by case, and what directions were read
             from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
-        projected: When regions were last projected; before, and in between, they are what is seen at a glance [s].
     """
 
     time: float
@@ -80,7 +79,6 @@ class Belief:
     events: tuple[Event, ...] = ()
     proofs: tuple[Evidence, ...] = ()
     moved: Moved | None = None
-    projected: float = -np.inf
 
     @cached_property
     def regions(self) -> Regions:

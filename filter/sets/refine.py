@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask, read_only
+from filter.arrays import Array, Integers, read_only
 from filter.errors import Inconsistent
 from filter.geometry.polygon import SIDES
 from filter.linear.certify import imply
@@ -17,7 +17,7 @@ from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
 from filter.projection.claims import Outlines, Weights
 from filter.projection.stop import IsOver, never
-from filter.projection.team import Outlined, Projector
+from filter.projection.team import Projector
 from filter.projection.window import Window
 from filter.sets.belief import Belief
 from filter.sets.proof import Proof
@@ -43,28 +43,11 @@ def refined(belief: Belief, projector: Projector, *, is_over: IsOver = never) ->
     found = projector.robots(polytope, order=order, is_over=is_over)
     if found.contradiction is not None:
         raise _inconsistent(belief, found.contradiction)
-    # A search that time cut short had its turn: otherwise it would be the first again, and nobody else would ever come.
-    late = np.array([reason == "time" for reason in found.outlines.reasons], dtype=bool) & (found.outlines.searches == 0)
-    late &= bool(len(polytope.origin))
-    return _outlined(replace(belief, projected=belief.time), found, late)
-
-
-def at_a_glance(belief: Belief) -> Belief | None:
-    """Return a belief with every robot's region as its own rows tell it; None if they leave nothing, for a search to prove."""
-    polytope, robots = belief.polytope, np.arange(len(belief.headings))
-    clipped = polytope.of_robots(robots)
-    if clipped.empty.any():
-        return None
-    found = Outlined(Outlines.at_a_glance(clipped, len(polytope.constraints)))
-    return _outlined(belief, found, np.zeros(len(robots), dtype=bool))
-
-
-def _outlined(belief: Belief, found: Outlined, late: Mask) -> Belief:
-    """Return a belief with outlines as its regions, of robots that are (n,) late with their boxes as they were."""
-    polytope, sources, outlines = belief.polytope, belief.sources, found.outlines
-    robots = np.arange(len(polytope.lower))
     table, numbers = sources.extended("region", belief.time, robots)
-    whose = np.full(len(robots), WORLD), robots
+    outlines, whose = found.outlines, (np.full(len(robots), WORLD), robots)
+    # A search that time cut short had its turn: otherwise it would be the first again, and nobody else would ever come.
+    late = np.array([reason == "time" for reason in outlines.reasons], dtype=bool) & (outlines.searches == 0)
+    late &= bool(len(polytope.origin))
     own, row = edges_as_rows(polytope, outlines, whose, numbers)
     lower, upper, boxes = proved_boxes(polytope, table, outlines, (own, row), np.flatnonzero(~late))
     pairs = polytope.constraints.select(polytope.constraints.i != WORLD)

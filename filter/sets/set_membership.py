@@ -27,12 +27,12 @@ from filter.sensing.headings import looks_at_a_glance
 from filter.sensing.motion import Displacements, displacements, turned_headings
 from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
-from filter.sensing.rows import TANGENT_SPACING, placed
+from filter.sensing.rows import TANGENT_SPACING, with_positions
 from filter.sensing.since import Moves, Since
 from filter.sets.belief import Belief, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.predict import moved
-from filter.sets.refine import at_a_glance, refined, with_pairs
+from filter.sets.refine import refined, with_pairs
 from filter.sets.rejection import agreeing
 from filter.team import Team
 
@@ -69,8 +69,6 @@ class SetMembershipFilter(Frozen):
             in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
         budget: How long an update may take, or None; robots whose turn has not come keep their propagated regions.
         on_phase: Told the name of each phase of a step as it begins, one of PHASES; for whoever wants to take the time.
-        project_every: Regions are projected in an update if so long has passed since they were, from 0 on [s]. In updates
-            between they are what each robot's own rows tell, which costs little.
         threads: How many windows are projected at a time, from 1 on; None for as many as there are cores. The result
             does not depend on it.
     """
@@ -88,7 +86,6 @@ class SetMembershipFilter(Frozen):
     scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
     policy: Policy = "raise"
     budget: Budget | None = field(default=None, metadata=checked(instance, "budget", Budget, type(None)))
-    project_every: float = field(default=0.0, metadata=checked(number, "project_every [s]", 0))
     threads: int | None = field(default=None, metadata=checked(whole_number, "threads", 1, optional=True))
     on_phase: Callable[[str], object] = field(default=_unheard, metadata=checked(function, "on_phase"))
 
@@ -211,7 +208,7 @@ class SetMembershipFilter(Frozen):
         """Return the belief after moves until some time [s], within an arena, and headings (n) then."""
         time, arena = until
         polytope, sources = moved(belief, time, moves, arena, self.corners)
-        return Belief(time, polytope, headings, sources, belief.guarantee, projected=belief.projected).compact()
+        return Belief(time, polytope, headings, sources, belief.guarantee).compact()
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
         """Return (g) polygons that contain x_j - x_i of robots i, j (g,) (eq. 3) [m]; `InvalidInput` if these are no pairs."""
@@ -241,7 +238,7 @@ class SetMembershipFilter(Frozen):
         """Merge and project; while what cells found of robots that measured one another makes regions smaller, once more."""
         readings = Readings.of(belief.time, measurements)
         found, again = self._round(belief, readings, is_over, NO_ROBOTS)
-        while found.projected == belief.time and len(again) and readings.tie_robots(self.team.robots) and not is_over():
+        while len(again) and readings.tie_robots(self.team.robots) and not is_over():
             areas = found.regions.outer.areas
             if not matter(again, areas):
                 break
@@ -253,22 +250,22 @@ class SetMembershipFilter(Frozen):
         return found.compact()
 
     def _round(self, belief: Belief, readings: Readings, is_over: IsOver, again: Integers) -> tuple[Belief, Integers]:
-        """Return the belief, and the robots that were found in cells; they are (c,) again, if they are wide."""
+        """Return the belief, and the robots that were found in cells; they are (c,) again, if they are wide.
+
+        Of readings of several instants, which are not found in cells, they are those that would be worth it.
+        """
         self.on_phase("headings")
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         team = self.team.landmarks, self.tangent_spacing, self.cells
-        start = placed(belief.polytope, readings, numbers, readings.moves)
+        start = with_positions(belief.polytope, readings, numbers, readings.moves)
         merged = Merger(start, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
-        pruned, last = self._pruned(merged.polytope), belief.projected
-        known = Belief(belief.time, pruned, merged.headings, sources, belief.guarantee, projected=last)
-        found = at_a_glance(known) if belief.time - last < self.project_every else None
-        if found is None:
-            self.on_phase("project")
-            found = refined(known, self._projector, is_over=is_over)
-            self.on_phase("forget")
-            found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
+        known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
+        self.on_phase("project")
+        found = refined(known, self._projector, is_over=is_over)
+        self.on_phase("forget")
+        found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
         cells = np.array([each.robot for each in merged.evidence if isinstance(each, ByCases)], dtype=np.int64)
         cells = cells if readings.since is None else merged.wide
         return replace(found, polytope=self._pruned(found.polytope), proofs=merged.evidence + found.proofs), cells

@@ -87,6 +87,21 @@ def test_what_comes_too_late_is_told():
         list(frames_of(TEAM, 0.0, ["compass"]))
 
 
+def test_a_twist_that_ended_another_one_too_long_ago_is_told():
+    """What was made of the other one in the meantime relied on that it held."""
+    twists = [Twist(time, 0, 0.2, 0.01, 0.0, 0.02, 0.05, 0.0, 9.0) for time in (-1.0, 0.0, 0.5)]
+    compasses = [Compass(time, 0, 0.0, 0.1) for time in (1.0, 4.0)]
+    assert len(list(frames_of(TEAM, 0.0, [*twists, *compasses]))) == 2
+    with pytest.raises(OutOfOrder, match=r"twist at 0\.5 s"):
+        list(frames_of(TEAM, 0.0, [*twists[:2], *compasses, twists[2]]))
+    lag = FixedLag(SetMembershipFilter(TEAM), lag=1.0)
+    lagged = lag.begin(lag.inner.start(0.0, [Polygon.box([0, 0], [1, 1])] * 2))
+    for record in [*twists[:2], *compasses]:
+        lagged = lag.merge(lagged, [record])
+    with pytest.raises(OutOfOrder, match=r"twist at 0\.5 s"):
+        lag.merge(lagged, [twists[2]])
+
+
 def test_truth_comes_with_the_frame_of_its_time():
     truth = Truth([[0.0, 0.0], [1.0, 1.0]], [0.0, 0.0])
     (frame,) = frames_of(TEAM, 0.0, [Compass(1.0, 0, 0.0, 0.1), Frame(1.0, truth=truth)])

@@ -62,6 +62,8 @@ def test_regions_are_hardly_larger_than_by_a_step_for_each_instant(seed):
     each = {step.belief.time: step.belief.regions.outer.areas.mean() for step in follow(filter_, begin, frames)}
     some = {step.belief.time: step.belief.regions.outer.areas.mean() for step in follow(filter_, begin, frames, every=0.1)}
     assert 12 < len(some) < 20
+    told = [step.frame for step in follow(filter_, begin, frames, every=0.1)]
+    assert sum(len(frame.measurements) for frame in told) == sum(len(frame.measurements) for frame in frames)
     assert np.mean([area / each[time] for time, area in some.items() if time > 0.5]) < 1.1
 
 

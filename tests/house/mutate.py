@@ -1,4 +1,4 @@
-"""Do the tests catch every wrong sign? Flips each sign in sectors, rows and motion, one at a time, and runs the tests on that.
+"""Do the tests catch every wrong sign? Flips each sign in sectors, rows and motions, one at a time, and runs the tests on that.
 
     python tests/house/mutate.py
 
@@ -17,10 +17,17 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-MODULES = ("filter/geometry/sector.py", "filter/sensing/rows.py", "filter/sensing/headings.py", "filter/sensing/motion.py")
+SENSING = ("rows", "headings", "motion", "since")
+MODULES = (
+    "filter/geometry/sector.py",
+    *(f"filter/sensing/{name}.py" for name in SENSING),
+    "filter/joined.py",
+    "filter/motions.py",
+)
 # The nearest tests first: they catch most, and quickly.
 TESTS = (
-    ("tests/geometry/test_sector.py", *(f"tests/sensing/test_{name}.py" for name in ("rows", "headings", "motion"))),
+    ("tests/geometry/test_sector.py", *(f"tests/sensing/test_{name}.py" for name in SENSING)),
+    ("tests/hall/test_motions.py", "tests/hall/test_stream.py", "tests/records"),
     ("tests/laws/test_signs.py", "tests/laws/test_minkowski.py"),
     ("tests/sets/test_set_membership.py", "tests/laws/test_laws.py"),
 )

@@ -86,7 +86,7 @@ class Running:
                     moment = self._moment(step)
                     for keeper in keepers:
                         keeper.keep(moment)
-                    progress.advance(step.frame.time, step.seconds)
+                    progress.advance(step.frame.time - self.scenario.header.start, step.seconds)
         except Inconsistent as error:
             return str(error)
         return None

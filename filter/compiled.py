@@ -9,7 +9,8 @@ there, once, and not on each level on the way, as numba does by itself.
 **What Python calls** takes arrays, numbers, tuples and named tuples, no lists; it returns nothing, numbers, a tuple of numbers,
 or one array that it has made, and writes whatever else it finds into arrays that its caller has made. For numba calls Python to
 hand out an array or a named tuple, and there a signal's handler may raise: the exception is then lost, or the process crashes.
-Among themselves compiled functions are free.
+Among themselves compiled functions are free. Arrays go into a part of another by `put` or by loops, not by a slice: once a
+process and once more for each array, numba would take seconds to compile the words of the error for shapes that differ.
 """
 
 from __future__ import annotations
@@ -185,3 +186,10 @@ def compiled(function: Function) -> Function:
 def _aside(make: Callable[..., Any], *arguments: Any) -> Any:
     """Let numba compile or load a function in a thread of its own; interrupted, it would not work any more, or crash."""
     return spread(lambda given: make(*given), [arguments], threads=1)[0]
+
+
+@compiled
+def put(values: Any, into: Any) -> None:
+    """Write values (k,) into the beginning of a row."""
+    for k in range(len(values)):
+        into[k] = values[k]

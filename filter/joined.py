@@ -3,7 +3,7 @@
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 
 COLUMNS = 11  # of a part: see `filter.motions.Motions`
 RESULT = 7  # columns of odometry: distance, its bound, turn, its bound, bounds of direction and slip, aside
@@ -31,7 +31,7 @@ def joined(parts: Array, first: Integers, limits: Array, span: Array) -> Array:
     for k in range(len(found)):
         pieces = _pieces(parts[first[k] : first[k + 1]], limits[k], span)
         if len(pieces) == 1:
-            found[k] = pieces[0]
+            put(pieces[0], found[k])
         else:
             _sum(pieces, found[k])
     return found
@@ -44,12 +44,13 @@ def _pieces(parts: Array, limits: Array, span: Array) -> Array:
     for k in range(len(parts)):
         begin, end = max(now, parts[k, 1]), min(span[1], parts[k, 2])
         if begin > now:
-            pieces[count] = _gap(begin - now, limits)
+            put(_gap(begin - now, limits), pieces[count])
             count += 1
-        pieces[count] = parts[k, 3:10] if begin == parts[k, 1] and end == parts[k, 2] else _cut(parts[k], limits, begin, end)
+        whole = begin == parts[k, 1] and end == parts[k, 2]
+        put(parts[k, 3:10] if whole else _cut(parts[k], limits, begin, end), pieces[count])
         count, now = count + 1, end
     if now < span[1]:
-        pieces[count] = _gap(span[1] - now, limits)
+        put(_gap(span[1] - now, limits), pieces[count])
         count += 1
     return pieces[:count]
 

@@ -6,7 +6,7 @@ Vertices are (e, 2), counter-clockwise; edge k begins at vertex k.
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 
 EPSILON = float(np.finfo(float).eps)
 SMALLEST = 1e-100  # what is divided by is never smaller
@@ -31,8 +31,8 @@ def clip_box(into: tuple[Array, Integers], lines: Lines, lower: Array, upper: Ar
     middle_x, middle_y = (lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2
     width, height = upper[0] - middle_x, upper[1] - middle_y
     largest = max(abs(middle_x), abs(middle_y)) + max(width, height)
-    here[0], here[1], here[2], here[3] = (width, -height), (width, height), (-width, height), (-width, -height)
     for side in range(4):
+        here[side, 0], here[side, 1] = width if side < 2 else -width, height if 0 < side < 3 else -height
         behind[side] = lines_count + side
     for row in range(lines_count):
         a, b = normals[row, 0], normals[row, 1]
@@ -89,7 +89,7 @@ def hull_of(points: Array) -> Array:
                 continue
             while size > base + 1 and not cross(hull[size - 2], hull[size - 1], point) > 0:
                 size -= 1
-            hull[size] = point
+            put(point, hull[size])
             size += 1
         size -= 1  # where one chain ends the other begins
     return hull[: max(size, 1)].copy()

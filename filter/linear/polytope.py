@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, Mask
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 from filter.geometry.convex import centroid_of
 from filter.geometry.many import Clipped, clip_boxes
 from filter.geometry.simplify import edges_worth_keeping
@@ -136,5 +136,6 @@ def _worthy(lines: tuple[Array, Array], vertices: Array, first: Integers, remova
         begin, end = first[k], first[k + 1]
         x, y = centroid_of(vertices[begin:end])
         level = offsets[begin:end] - (normals[begin:end, 0] * x + normals[begin:end, 1] * y)
-        keep[begin:end], _ = edges_worth_keeping(normals[begin:end].copy(), level, removable[begin:end], budget[k], -1.0)
+        worth, _ = edges_worth_keeping(normals[begin:end].copy(), level, removable[begin:end], budget[k], -1.0)
+        put(worth, keep[begin:end])
     return keep

@@ -171,7 +171,8 @@ def mend(rows: Rows, basis: Basis) -> None:
             if basis.inverse[j, k] != 0.0:
                 for m in range(variables):
                     error[m] += basis.inverse[j, k] * product[k, m]
-        basis.inverse[j] -= error
+        for m in range(variables):
+            basis.inverse[j, m] -= error[m]
     locate(rows, basis)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 from filter.geometry.convex import EPSILON, SMALLEST, clip_box, line_behind
 from filter.geometry.many import Groups
 from filter.linear.certify import WORTHLESS, Boxes, Members, certified
@@ -105,7 +105,8 @@ def project_window(
             if task.inside:
                 corners = inside_of(program, (trace, basis, plane.right), seen, numbers, (members, place, task.box), task.team)
                 sheet.corner_first[k + 1] += len(corners)
-                sheet.corners[sheet.corner_first[k] : sheet.corner_first[k + 1]] = corners
+                for m in range(len(corners)):
+                    put(corners[m], sheet.corners[sheet.corner_first[k] + m])
     for member in members:
         place[member] = -1
     return proof

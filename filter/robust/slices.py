@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, clip_box, span_of
 from filter.geometry.sector import WIDEST, far_and_near, sides, trapezoid
@@ -196,7 +196,7 @@ def stay_within(body: Array, _low: Array, _high: Array, reach: Array) -> Mask:
     rows, bare = np.empty((0, 2)), np.empty(0)
     for k in range(len(reach)):
         if (reach[k] > body).any():
-            reach[k] = np.minimum(reach[k], body)
+            put(np.minimum(reach[k], body), reach[k])
             left[k] = len(tighten(reach[k], rows, bare)[0]) > 0
     return left
 
@@ -222,7 +222,7 @@ def regrid(grid: tuple[Array, Array, Array], group: Integers, low: Array, high: 
             slack = ANGLE_ROUNDING * (1 + abs(away))
             first[g, m] = min(first[g, m], (low[k] if cell == begin else cell * width) - away - slack)
             last[g, m] = max(last[g, m], (top if cell == end else (cell + 1) * width) - away + slack)
-            farthest[g, m] = np.maximum(farthest[g, m], reach[k])
+            put(np.maximum(farthest[g, m], reach[k]), farthest[g, m])
 
 
 def see_any(bodies: Sequence[Array], sector: Array, low: Array, high: Array, reach: Array) -> Mask:

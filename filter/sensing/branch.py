@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.simplify import edges_worth_keeping
@@ -82,7 +82,9 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
         np.zeros(most, dtype=np.int64),
         np.zeros(1, dtype=np.int64),
     )
-    left.corners[0, : len(start)], left.heading[0] = start, heading
+    for m in range(len(start)):
+        put(start[m], left.corners[0, m])
+    put(heading, left.heading[0])
     _prune(left, left.alive[0], len(start), said, scale)  # which is 0: for a literal one, it would be compiled again
     left.alive[0] = int(left.size[0] > 0)
     for nodes in range(1, len(tree.child) - 1, 2):
@@ -182,5 +184,5 @@ def _outline(left: Pieces, margin: float) -> Array:
     keep, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(HULL_EDGES), 0.0)
     lines, level, all_of_them = lines[keep], level[keep], all_of_them[keep]
     few, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(FEW_EDGES), -1.0)
-    lines[:, 3] = few
+    put(few, lines[:, 3])
     return lines

@@ -3,7 +3,7 @@
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 from filter.errors import Inconsistent
 from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, intersection
 from filter.linear.sources import Source, Sources
@@ -71,7 +71,8 @@ def _followed(before: Arcs, turns: Array, arcs: Arcs, places: tuple[Integers, In
     """Return (2, s n + n) centres and bounds of headings, through (s, n, 2) turns and back, cut by arcs at their places."""
     steps, robots = turns.shape[:2]
     looks, (place, order), following = np.empty((2, (steps + 1) * robots)), places, 0
-    looks[0, :robots], looks[1, :robots] = before
+    put(before[0], looks[0])
+    put(before[1], looks[1])
     for k in range(robots, looks.shape[1]):
         turn = turns[k // robots - 1, k % robots]
         centre, bound = _turned(looks[0, k - robots], looks[1, k - robots], turn[0], turn[1])

@@ -7,7 +7,7 @@ its lower range row lacks a minus (as printed it says nothing).
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, put
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
@@ -41,7 +41,9 @@ def _sides(centre: Array, bound: Array) -> Array:
     """Return (2 k, 2) normals of both sides of (k) sectors."""
     normals = np.empty((2 * len(centre), 2))
     for k in range(len(centre)):
-        normals[2 * k : 2 * k + 2] = sides(centre[k], bound[k])
+        both = sides(centre[k], bound[k])
+        for side in range(2):
+            put(both[side], normals[2 * k + side])
     return normals
 
 

@@ -10,7 +10,7 @@ guarantee, linear/, sensing/, projection/, sets/, robust/, stream, follow, lag, 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
-from filter.follow import AnyBelief, Filter, Step, follow
+from filter.follow import AnyBelief, Filter, Step, changed, follow
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
@@ -23,6 +23,7 @@ from filter.projection.window import Window
 from filter.records.frame import Frame, Truth
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.odometry import Odometry, Twist
+from filter.records.presence import Left, Placed
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
@@ -40,9 +41,10 @@ from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
 __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Team", "Truth", "Twist"]
-__all__ += ["Arrival", "Motions", "frames_of"]
+__all__ += ["Arrival", "Left", "Motions", "Placed", "frames_of"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
-__all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "follow", "warm_up", "watch"]
+__all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]
+__all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
 __all__ += ["Alarm", "Belief", "ByCases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof", "Region"]
 __all__ += ["Regions", "Rejected", "Source"]

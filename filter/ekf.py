@@ -7,7 +7,7 @@ Robotics and Automation 18(5), 2002. It promises nothing: its regions hold with 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from math import erfc
 
 import numpy as np
@@ -19,6 +19,7 @@ from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
 from filter.records.measurements import Bearing, Compass, Measurement, Position
 from filter.records.odometry import Odometry
+from filter.records.presence import Change, Left
 from filter.records.record import BELOW_1, TIME
 from filter.team import Team
 
@@ -68,12 +69,14 @@ class GaussianBelief(Frozen):
         mean: (n, 3) x [m], y [m], heading in (-pi, pi] [rad].
         covariance: (3n, 3n) of (x_0, y_0, heading_0, x_1, ...).
         rejected: Number of measurements that the gate has turned away so far.
+        away: Robots that have left, whose estimates mean nothing.
     """
 
     time: float = field(metadata=TIME)
     mean: Array = field(metadata=checked(finite, "mean"))
     covariance: Array = field(metadata=checked(finite, "covariance"))
     rejected: int = field(default=0, metadata=checked(whole_number, "rejected"))
+    away: frozenset[int] = frozenset()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,7 +88,9 @@ class GaussianBelief(Frozen):
     def guarantee(self) -> Guarantee:
         """There never is one."""
         robots = len(self.mean)
-        return Guarantee(np.full(robots, -np.inf), ("it holds with a probability, if the noise model is right",) * robots)
+        return Guarantee(
+            np.full(robots, -np.inf), ("it holds with a probability, if the noise model is right",) * robots, self.away
+        )
 
     @property
     def position_covariances(self) -> Array:
@@ -140,6 +145,18 @@ class ExtendedKalmanFilter(Frozen):
         mean = np.column_stack([corners.mean(axis=1), arcs.centre])
         return GaussianBelief(time, mean, np.diag(deviations.ravel() ** 2))
 
+    def changed(self, belief: GaussianBelief, change: Change) -> GaussianBelief:
+        """Return the belief in which a robot starts anew, tied to no other, or has left: see `SetMembershipFilter.changed`."""
+        self.team.check_belief(belief, GaussianBelief, "mean")
+        robot = self.team.checked_change(change, belief.time).robot
+        if isinstance(change, Left):
+            return replace(belief, away=belief.away | {robot})
+        alone = replace(self, team=Team(1, arena=self.team.arena)).start(belief.time, [change.polygon], change.heading)
+        mean, covariance, block = belief.mean.copy(), belief.covariance.copy(), slice(STATES * robot, STATES * robot + STATES)
+        mean[robot], covariance[block], covariance[:, block] = alone.mean[0], 0, 0
+        covariance[block, block] = alone.covariance
+        return GaussianBelief(belief.time, mean, covariance, belief.rejected, belief.away - {robot})
+
     @QUIET
     def predict(self, belief: GaussianBelief, time: float, odometry: Odometry | None = None) -> GaussianBelief:
         """Return the belief at a later time [s]; a robot without odometry is taken to stand, within its limits of motion."""
@@ -154,12 +171,12 @@ class ExtendedKalmanFilter(Frozen):
                 moved[robot], F[block, block], Q[block, block] = self._driven(belief.mean[robot], odometry, k)
         moved[:, 2] = wrap(moved[:, 2])
         covariance = F @ belief.covariance @ F.T + Q
-        return GaussianBelief(time, moved, (covariance + covariance.T) / 2, belief.rejected)
+        return GaussianBelief(time, moved, (covariance + covariance.T) / 2, belief.rejected, belief.away)
 
     def update(self, belief: GaussianBelief, measurements: Sequence[Measurement] = ()) -> GaussianBelief:
         """Return the belief after merging measurements taken at its time, record after record in the order given."""
         self.team.check_belief(belief, GaussianBelief, "mean")
-        for record in self.team.checked(belief.time, measurements):
+        for record in self.team.checked(belief.time, measurements, belief.away):
             belief = self._merged(belief, record)
         return belief
 
@@ -199,7 +216,7 @@ class ExtendedKalmanFilter(Frozen):
         covariance = keep @ P @ keep.T + (K * variance) @ K.T  # Joseph's form: stays positive, ...
         gone = np.diagonal(covariance) <= 0  # ... but for rounding: so little is left that it is none
         covariance[gone], covariance[:, gone] = 0, 0
-        return GaussianBelief(belief.time, mean, (covariance + covariance.T) / 2, rejected)
+        return GaussianBelief(belief.time, mean, (covariance + covariance.T) / 2, rejected, belief.away)
 
     def _linearised(self, belief: GaussianBelief, record: Measurement) -> tuple[Array, Array, Array]:
         """Return innovations (k,), Jacobian (k, 3n) and variances (k,) of a record at the mean."""

@@ -12,6 +12,7 @@ from filter.geometry.polygon import Polygon
 from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry
+from filter.records.presence import Change
 
 AS_LONG = 1e-9  # so much less than a time that frames are one step is that time, as stamps are rounded
 
@@ -63,7 +64,8 @@ class Step(Generic[AnyBelief]):
 
     Attributes:
         frame: What the filter was given. Of several instants it is the last one, with all that was measured in them.
-        predicted: What it knew before it saw the frame's measurements; before all of them, of several instants.
+        predicted: What it knew before it saw what was measured, but for who came and left; before all of that, of several
+            instants.
         belief: What it knows now.
         seconds: How long predict and update took together; 0 without a clock [s].
     """
@@ -81,7 +83,7 @@ def follow(
     clock: Callable[[], float] | None = None,
     every: float = 0.0,
 ) -> Iterator[Step[AnyBelief]]:
-    """Yield the filter's step at every frame: predict with its odometry, then update with its measurements.
+    """Yield the filter's step at every frame: predict with its odometry, place who comes, update with its measurements.
 
     A frame at the belief's own time, as the first one often is, needs no prediction. Raises `InvalidInput` if something is no
     filter, no belief, no frame or no clock, and what the filter raises, such as `OutOfOrder` for a frame that is too early.
@@ -140,8 +142,18 @@ def _steps(
         began = now()
         moved = frame.time != belief.time or frame.odometry is not None
         predicted = filter_.predict(belief, frame.time, frame.odometry) if moved else belief
+        predicted = changed(filter_, predicted, frame.changes)
         belief = filter_.update(predicted, frame.measurements)
         yield Step(frame, predicted, belief, now() - began)
+
+
+def changed(filter_: Any, belief: AnyBelief, changes: Sequence[Change]) -> AnyBelief:
+    """Return the belief after robots were placed or have left, in this order; `InvalidInput` if they cannot for this filter."""
+    if changes:
+        function("a filter with changed, for robots that are placed or leave", getattr(filter_, "changed", None))
+    for change in changes:
+        belief = filter_.changed(belief, change)
+    return belief
 
 
 def a_filter(name: str, value: Any) -> Any:

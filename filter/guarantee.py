@@ -1,11 +1,12 @@
 """Whether what a filter says is guaranteed: for which robots it is not, since when, and why."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from filter.arrays import Array, Frozen, Mask
+from filter.records.odometry import Odometry
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,11 +15,13 @@ class Guarantee(Frozen):
 
     Attributes:
         suspended_since: (n,) since when it is suspended [s]; infinite where it is in force, -inf where it never was.
-        because: (n) why it is suspended; empty where it is in force.
+        because: (n) why it is suspended; empty where it is not.
+        away: Robots that have left, of which nothing is said.
     """
 
     suspended_since: Array
     because: tuple[str, ...]
+    away: frozenset[int] = frozenset()
 
     @classmethod
     def full(cls, robots: int) -> Self:
@@ -26,17 +29,37 @@ class Guarantee(Frozen):
         return cls(np.full(robots, np.inf), ("",) * robots)
 
     @property
+    def lapsed(self) -> Mask:
+        """(n,) for which robots it is suspended."""
+        return np.asarray(self.suspended_since < np.inf)
+
+    @property
     def in_force(self) -> Mask:
-        """(n,) for which robots it is in force."""
-        return np.asarray(self.suspended_since == np.inf)
+        """(n,) for which robots it is in force: those that are there, and for which it is not suspended."""
+        held = ~self.lapsed
+        held[list(self.away)] = False
+        return held
 
     def suspended(self, since: float, because: str) -> Self:
         """Return it suspended for every robot, where it is not already."""
-        since_when = np.where(self.in_force, since, self.suspended_since)
-        return type(self)(since_when, tuple(before or because for before in self.because))
+        since_when = np.where(self.lapsed, self.suspended_since, since)
+        return replace(self, suspended_since=since_when, because=tuple(before or because for before in self.because))
+
+    def without(self, robot: int) -> Self:
+        """Return what is said when a robot is away."""
+        return replace(self, away=self.away | {robot})
+
+    def with_again(self, robot: int) -> Self:
+        """Return what is said when a robot is there."""
+        return replace(self, away=self.away - {robot})
+
+    def of_those_there(self, odometry: Odometry | None) -> Odometry | None:
+        """Return the odometry of robots that are not away: what is said of one that is shall not be in conflict with it."""
+        return odometry.without(self.away) if odometry is not None and self.away else odometry
 
     def __str__(self) -> str:
         told: dict[str, list[str]] = {}
-        for robot in np.flatnonzero(~self.in_force).tolist():
+        for robot in np.flatnonzero(self.lapsed).tolist():
             told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(str(robot))
-        return "; ".join(f"suspended for robots {', '.join(who)} {why}" for why, who in told.items()) or "in force"
+        words = [f"suspended for robots {', '.join(who)} {why}" for why, who in told.items()] or ["in force"]
+        return "; ".join(words + [f"nothing is said of robot {robot}, which is away" for robot in sorted(self.away)])

@@ -12,10 +12,11 @@ from filter.motions import Motions
 from filter.records.frame import Frame, Truth
 from filter.records.measurements import MEASUREMENTS, Measurement
 from filter.records.odometry import Odometry, Twist
+from filter.records.presence import Change, Left, Placed
 from filter.team import Team
 
-Arrival = Measurement | Odometry | Twist | Frame
-ARRIVALS = (*MEASUREMENTS, Odometry, Twist, Frame)
+Arrival = Measurement | Odometry | Twist | Placed | Left | Frame
+ARRIVALS = (*MEASUREMENTS, Odometry, Twist, Placed, Left, Frame)
 
 
 def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float = 1.0) -> Iterator[Frame]:
@@ -27,8 +28,8 @@ def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float
     Args:
         team: Whose records these are.
         start: When what is known before begins [s].
-        arrivals: Measurements, odometry, twists, and frames that are asked for, as they come; frames may have measurements,
-            truth, and odometry from any time on.
+        arrivals: Measurements, odometry, twists, robots that are placed or leave, and frames that are asked for, as they
+            come; frames may have all of these, truth, and odometry from any time on.
         hold: How late a record may be, from 0 on [s].
 
     Raises:
@@ -46,6 +47,7 @@ class _Asked:
 
     measurements: list[Measurement] = field(default_factory=list)
     truth: Truth | None = None
+    changes: list[Change] = field(default_factory=list)
 
 
 class _Stream:
@@ -76,6 +78,9 @@ class _Stream:
         if record.time not in self._waiting:
             heappush(self._times, record.time)
         asked = self._waiting.setdefault(record.time, _Asked())
+        if isinstance(record, Placed | Left):
+            asked.changes.append(self._team.checked_change(record))
+            return
         if not isinstance(record, Frame):
             self._team.check(record)
             asked.measurements.append(record)
@@ -83,6 +88,7 @@ class _Stream:
         if record.odometry is not None:
             self._motions = self._motions.merged(record.odometry)
         asked.measurements += record.measurements
+        asked.changes += record.changes
         if record.truth is not None:
             asked.truth = record.truth if asked.truth is None else _both(asked.truth, record.truth)
 
@@ -93,7 +99,7 @@ class _Stream:
             asked, odometry = self._waiting.pop(time), self._motions.between(self._done, time)
             self._done, self._first = time, False
             self._motions = self._motions.since(time)
-            yield Frame(time, odometry, asked.measurements, asked.truth)
+            yield Frame(time, odometry, asked.measurements, asked.truth, asked.changes)
 
 
 def _both(known: Truth, more: Truth) -> Truth:

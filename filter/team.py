@@ -1,7 +1,7 @@
 """What is known of a team for good: how many robots, where the landmarks are, how far anything can be."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range, measurements_of
 from filter.records.odometry import Odometry, Twist
+from filter.records.presence import Change, Left, Placed
 
 NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names and of paths in recordings
 LIMITS = ("speed_limit", "turn_rate_limit", "acceleration_limit", "turn_acceleration_limit")
@@ -150,6 +151,18 @@ class Team(Frozen):
             if (named >= count).any():
                 raise InvalidInput(f"a {role} among {known}", f"{role} {named[named >= count][0]}")
 
+    def checked_change(self, change: Change, belief_time: float | None = None) -> Change:
+        """Return that a robot is placed or has left; `InvalidInput` when it is neither, or the team has no such robot.
+
+        Raises `OutOfOrder` if it is not of the belief's time, where there is one.
+        """
+        instance("a robot that is placed, or has left", change, Placed, Left)
+        if change.robot >= self.robots:
+            raise InvalidInput(f"a robot among robots 0 to {self.robots - 1}", f"robot {change.robot}")
+        if belief_time is not None and change.time != belief_time:
+            raise OutOfOrder(type(change).__name__.lower(), change.time, belief_time)
+        return change
+
     def initial(
         self, positions: Iterable[Polygon | None], headings: AngularIntervals | None
     ) -> tuple[tuple[Polygon, ...], AngularIntervals]:
@@ -182,13 +195,18 @@ class Team(Frozen):
                 raise InvalidInput(f"odometry that ends at the predicted time {now!r} s", f"{odometry.time!r} s")
         return now
 
-    def checked(self, belief_time: float, measurements: Iterable[Measurement]) -> tuple[Measurement, ...]:
-        """Return measurements that are to be merged at one time; raises what `Filter.update` does."""
+    def checked(
+        self, belief_time: float, measurements: Iterable[Measurement], away: Set[int] = frozenset()
+    ) -> tuple[Measurement, ...]:
+        """Return measurements that are to be merged at one time; raises what `Filter.update` does, for robots away, too."""
         now, records = number("time of the belief [s]", belief_time), measurements_of(measurements)
         for record in records:
             self.check(record)
             if record.time != now:
                 raise OutOfOrder(type(record).__name__.lower(), record.time, now)
+            gone = away and away & {*record.robot.tolist(), *getattr(record, "target", record.robot).tolist()}
+            if gone:
+                raise InvalidInput("measurements among robots that are there", f"{self.name(min(gone))}, which has left")
         return records
 
     def check_belief(self, belief: object, kind: type, each: str) -> None:

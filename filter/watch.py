@@ -53,7 +53,8 @@ def watch(
 
     Args:
         belief: What is possible.
-        positions: (n, 2) another estimator's positions [m]; NaN for a robot of which it says nothing.
+        positions: (n, 2) another estimator's positions [m]; NaN for a robot of which it says nothing. Of one that is
+            away nothing is proved.
         covariances: (n, 2, 2) of these positions, symmetric and positive definite [m2], or None for points alone.
         probability: What the ellipses are said to contain, in [0, 1).
         moved: (n,) or one for all, how far robots can be from where the belief has them, for positions of another time [m].
@@ -69,7 +70,8 @@ def watch(
     size = np.sqrt(-2 * np.log1p(-number("probability", probability, 0, np.nextafter(1.0, 0))))  # chi-square, 2 degrees
     roots = [None] * robots if covariances is None else list(size * _roots(covariances, robots))
     further, said = np.broadcast_to(travel, robots).tolist(), np.flatnonzero(np.isfinite(points).all(axis=1))
-    alarms = (_alarm(belief, k, points[k], roots[k], further[k]) for k in said.tolist())
+    there = [robot for robot in said.tolist() if robot not in belief.guarantee.away]
+    alarms = (_alarm(belief, k, points[k], roots[k], further[k]) for k in there)
     return tuple(alarm for alarm in alarms if alarm is not None)
 
 

@@ -36,11 +36,23 @@ def outers(belief: Located) -> Sequence[Polygon]:
     return regions.outer if isinstance(regions, Regions) else [region.outer for region in regions]
 
 
+def there(belief: Located | GaussianBelief) -> Mask:
+    """Return (n,) which robots are not away, so that anything is said of them."""
+    guarantee, here = getattr(belief, "guarantee", None), np.ones(len(directions(belief)), dtype=bool)
+    here[list(guarantee.away if guarantee else ())] = False
+    return here
+
+
 def points(belief: Located | GaussianBelief) -> Array:
-    """Return (n, 2) the point for each robot of what any filter knows [m]: the middle of its polygon, or a mean."""
+    """Return (n, 2) the point for each robot of what any filter knows [m]: the middle of its polygon, or a mean.
+
+    NaN of a robot that is away.
+    """
     if isinstance(belief, GaussianBelief):
-        return np.asarray(belief.mean[:, :2])
-    return np.array([outer.centroid for outer in outers(belief)])
+        middles = belief.mean[:, :2]
+    else:
+        middles = np.array([outer.centroid for outer in outers(belief)])
+    return np.where(there(belief)[:, None], middles, np.nan)
 
 
 def directions(belief: Located | GaussianBelief) -> Array:

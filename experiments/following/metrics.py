@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from experiments.following.located import inside, points
+from experiments.following.located import inside, points, there
 from filter import Belief, Fallback, Frame, GaussianBelief, Guarantee, Mask, Rejected, RobustBelief, Truth
 
 Known = Belief | RobustBelief | GaussianBelief  # what a filter knows
@@ -81,7 +81,7 @@ class Metrics:
             Who escaped at this step.
         """
         self.steps += 1
-        if self.suspended is None and not belief.guarantee.in_force.all():
+        if self.suspended is None and belief.guarantee.lapsed.any():
             self.suspended = belief.guarantee
         self.measurements += sum(len(record.robot) for record in frame.measurements)
         self._seconds.append(seconds)
@@ -98,12 +98,14 @@ class Metrics:
     def _add_projections(self, belief: Belief) -> None:
         self.rows_max = max(self.rows_max, len(belief.constraints))
         self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
-        self._areas += belief.regions.outer.areas.tolist()
-        self._ratios += belief.regions.performance_ratios.tolist()
-        self._searches += belief.regions.searches.tolist()
+        regions, here = belief.regions, there(belief)
+        self._areas += regions.outer.areas[here].tolist()
+        self._ratios += regions.performance_ratios[here].tolist()
+        self._searches += regions.searches[here].tolist()
 
     def _check(self, belief: Known, truth: Truth) -> Escapes:
-        placed, turned_so = np.isfinite(truth.positions).all(axis=1), np.isfinite(truth.headings)
+        here = there(belief)
+        placed, turned_so = np.isfinite(truth.positions).all(axis=1) & here, np.isfinite(truth.headings) & here
         self._square_errors += ((points(belief) - truth.positions)[placed] ** 2).sum(axis=1).tolist()
         if isinstance(belief, GaussianBelief):
             return Escapes()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from experiments.following.ellipses import WIDE_SIZE, Collected, ellipse_areas, normalised_squares
-from experiments.following.located import inside, points
+from experiments.following.located import inside, points, there
 from experiments.following.metrics import Value
 from experiments.keeping.running import Moment, Told
 from filter import Array, GaussianBelief, Truth
@@ -36,7 +36,7 @@ class Against(Told):
         covariances = estimate.position_covariances
         self._collected.add("area", ellipse_areas(covariances))
         if truth is not None:
-            known = np.isfinite(truth.positions).all(axis=1)
+            known = np.isfinite(truth.positions).all(axis=1) & there(estimate)
             self._add_errors((points(estimate) - truth.positions)[known], covariances[known])
 
     def _add_errors(self, errors: Array, covariances: Array) -> None:

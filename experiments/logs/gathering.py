@@ -12,10 +12,8 @@ from typing import cast
 import numpy as np
 
 from experiments.logs.checks import field_names
-from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Left, Record, TruthAt, settled
-from filter import Arrival, Frame, InvalidInput, Measurement, Odometry, Truth, Twist
-
-FOLLOWED = "robots that are there all the time: only such are followed as yet (LogReader.records yields the others, too)"
+from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Record, TruthAt, settled
+from filter import Arrival, Frame, InvalidInput, Left, Measurement, Odometry, Placed, Truth, Twist
 
 
 class OwnStamp(Exception):
@@ -35,6 +33,7 @@ class Gathering:
         self._odometry: list[Odometry] = []
         self._moved: set[int] = set()
         self._measurements: list[Measurement] = []
+        self._changes: list[Placed | Left] = []
         self._truths: list[TruthAt] = []
         self._shown: set[int] = set()
 
@@ -56,7 +55,7 @@ class Gathering:
         if isinstance(record, TruthAt):
             self._add_truth(record)
         elif isinstance(record, Joined | Left):
-            raise InvalidInput(FOLLOWED, type(record).__name__)
+            self._changes.append(record.placed() if isinstance(record, Joined) else record)
         else:
             self._measurements.append(cast(Measurement, record))
         return None
@@ -78,7 +77,7 @@ class Gathering:
     def waiting(self) -> list[Arrival]:
         """Return what has been taken in since the last frame."""
         robots = self._header.team.robots
-        return [*self._odometry, *self._measurements, *(arrival_of(truth, robots) for truth in self._truths)]
+        return [*self._odometry, *self._changes, *self._measurements, *(arrival_of(truth, robots) for truth in self._truths)]
 
     def end(self) -> Frame | None:
         """Return a frame of what waits for one, if the log's version does without.
@@ -125,21 +124,22 @@ class Gathering:
     def _close(self, time: float) -> Frame:
         odometry, measurements = _joined(self._odometry), tuple(self._measurements)
         truth = _seen_together(self._truths, self._header.team.robots)
-        frame = settled(Frame, time=time, odometry=odometry, measurements=measurements, truth=truth)
+        changes = tuple(self._changes)
+        frame = settled(Frame, time=time, odometry=odometry, measurements=measurements, truth=truth, changes=changes)
         self._clear()
         self._previous = time
         return frame
 
 
 def arrival_of(record: Record, robots: int) -> Arrival:
-    """Return a record, of a team of so many robots, as `frames_of` takes it; raises `InvalidInput` if it does not take such."""
+    """Return a record, of a team of so many robots, as `frames_of` takes it."""
     match record:
         case FrameEnd():
             return Frame(record.time)
         case TruthAt():
             return Frame(record.time, truth=_seen_together([record], robots))
-        case Joined() | Left():
-            raise InvalidInput(FOLLOWED, type(record).__name__)
+        case Joined():
+            return record.placed()
     return record
 
 

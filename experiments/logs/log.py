@@ -21,7 +21,7 @@ from experiments.logs.reading.fast import Fast
 from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.heads import read_header, read_initial
 from experiments.logs.reading.strict import Strict
-from experiments.logs.records import Header, InitialSet, Record
+from experiments.logs.records import FIRST, Header, InitialSet, Record
 from experiments.logs.text import TextFile
 from experiments.logs.writing import frame_objects, header_object, initial_object, object_of
 from filter import Arrival, Frame, InvalidInput, OutOfOrder, frames_of
@@ -53,7 +53,7 @@ class LogWriter:
         self._header = header
         self._file = path.open("w", encoding="utf-8", newline="\n")
         try:
-            known = [initial_object(header, robot, each) for robot, each in enumerate(initial)]
+            known = [initial_object(header, robot, each) for robot, each in enumerate(initial) if each.there]
             self._write([header_object(header), *known])
         except OSError:
             with suppress(OSError):  # it would try again
@@ -111,19 +111,23 @@ class LogReader:
             place.line, text = next(lines)
             self.header = read_header(Fields.parse(text))
             self.initial = self._initial(lines, place)
-        self._head = place.line
         self._fast, self._strict = Fast(self.header), Strict(self.header)
 
     def _initial(self, lines: Iterator[tuple[int, bytes]], place: _Place) -> tuple[InitialSet, ...]:
+        """Return the initial sets; in version 2 a robot without one is not there yet."""
         robots, _ = bodies_of(self.header)
         found: dict[int, InitialSet] = {}
+        self._head = place.line
         while len(found) < robots.count:
             place.line, text = next(lines, (place.line, b""))
             if not text:
                 raise InvalidInput(f"{robots.count} initial sets", f"{len(found)}, then the end of the file")
-            robot, known = read_initial(Fields.parse(text), robots, found)
-            found[robot] = known
-        return tuple(found[robot] for robot in range(robots.count))
+            record = Fields.parse(text)
+            if self.header.version != FIRST and (record.kind != "initial" or record.has("time")):
+                break
+            robot, known = read_initial(record, robots, found)
+            found[robot], self._head = known, place.line
+        return tuple(found.get(robot, InitialSet(there=False)) for robot in range(robots.count))
 
     def records(self) -> Iterator[Record]:
         """Yield the records after the initial sets, in the order of their lines, reading as it goes.
@@ -141,8 +145,7 @@ class LogReader:
         `frames_of` makes of what comes: it may come late by a second.
 
         Raises:
-            InvalidLog: A line is not as docs/log.md says, is cut off, comes too late, belongs to a frame that never ends, or
-                tells of a robot that joins or leaves (see `records`).
+            InvalidLog: A line is not as docs/log.md says, is cut off, comes too late, or belongs to a frame that never ends.
         """
         gathering = Gathering(self.header)
         with self._located() as place:

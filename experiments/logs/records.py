@@ -17,12 +17,15 @@ from filter import (
     Frame,
     Integers,
     InvalidInput,
+    Left,
     Measurement,
     Odometry,
+    Placed,
     Polygon,
     Team,
     Truth,
     Twist,
+    changed,
 )
 
 FORMAT = "corral-log"
@@ -36,6 +39,7 @@ class InitialSet:
     Attributes:
         vertices: (e, 2) points; their convex hull contains the robot [m]. None: it is anywhere in the arena.
         heading: (centre, bound) of the interval that contains its heading [rad], or None: nothing is known.
+        there: Whether the robot is there at all; if not, nothing is said of it until it joins.
 
     Raises:
         InvalidInput: There is no vertex, or a value is not finite or out of its range.
@@ -43,6 +47,7 @@ class InitialSet:
 
     vertices: Array | None = None
     heading: tuple[float, float] | None = None
+    there: bool = True
 
     def __post_init__(self) -> None:
         if self.vertices is not None:
@@ -112,17 +117,10 @@ class Joined(NamedTuple):
     robot: int
     known: InitialSet
 
-
-class Left(NamedTuple):
-    """A robot is no longer followed, until it is `Joined` again.
-
-    Attributes:
-        time: When [s].
-        robot: Its number.
-    """
-
-    time: float
-    robot: int
+    def placed(self) -> Placed:
+        """Return it as filters take it."""
+        heading = self.known.heading and AngularIntervals(*np.array(self.known.heading)[:, None])
+        return Placed(self.time, self.robot, self.known.polygon(), heading)
 
 
 class TruthAt(NamedTuple):
@@ -164,9 +162,12 @@ def first_belief(filter_: Filter[AnyBelief], header: Header, initial: Sequence[I
     """Return what a filter knows before the first frame.
 
     Raises:
-        CorralError: What the filter raises.
+        CorralError: What the filter raises, or it is none that robots can join, and one is not there yet.
     """
-    return filter_.start(header.start, [known.polygon() for known in initial], initial_headings(initial))
+    nowhere = np.clip(np.zeros(2), *header.team.arena)
+    sets = [known.polygon() if known.there else Polygon.box(nowhere, nowhere) for known in initial]
+    changes = [Left(header.start, robot) for robot, known in enumerate(initial) if not known.there]
+    return changed(filter_, filter_.start(header.start, sets, initial_headings(initial)), changes)
 
 
 def initial_headings(initial: Sequence[InitialSet]) -> AngularIntervals:

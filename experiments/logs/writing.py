@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from experiments.logs.checks import field_names
-from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Left, Record, TruthAt, numbered
-from filter import Array, Frame, InvalidInput, Measurement, Odometry, Position, Team, Twist
+from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Record, TruthAt, numbered
+from filter import Array, Frame, InvalidInput, Left, Measurement, Odometry, Placed, Position, Team, Twist
 
 Object = dict[str, Any]
 ASIDE = "aside"  # a column that is left out where all robots drive straight ahead
@@ -59,16 +59,28 @@ def initial_object(header: Header, robot: int, known: InitialSet) -> Object:
 
 
 def frame_objects(header: Header, frame: Frame) -> list[Object]:
-    """Return a frame's records: odometry, measurements, truth, and the one that ends it.
+    """Return a frame's records: odometry, who came and left, measurements, truth, and the one that ends it.
 
     Raises:
         InvalidInput: The log's version has nothing for one of them.
     """
     records: list[Record] = [] if frame.odometry is None else [frame.odometry]
+    records += [_joined(change) if isinstance(change, Placed) else change for change in frame.changes]
     records += frame.measurements
     if frame.truth is not None:
         records.append(TruthAt(frame.time, np.arange(header.team.robots), frame.truth))
     return [object_of(header, record) for record in (*records, FrameEnd(frame.time))]
+
+
+def _joined(change: Placed) -> Joined:
+    """Return a robot's set as a log has it, no smaller."""
+    vertices, heading = None, None
+    if change.polygon is not None:
+        margin = change.polygon.margin * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        vertices = (change.polygon.vertices[:, None] + margin[: 4 if margin.any() else 1]).reshape(-1, 2)
+    if change.heading is not None:
+        heading = change.heading.centre.item(), change.heading.bound.item()
+    return Joined(change.time, change.robot, InitialSet(vertices, heading))
 
 
 def object_of(header: Header, record: Record) -> Object:

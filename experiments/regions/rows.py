@@ -68,7 +68,7 @@ class Row:
 def rows_of(
     names: Sequence[str], time: float, belief: Warranted | GaussianBelief, beside: GaussianBelief | None = None
 ) -> list[Row]:
-    """Return the rows of a step.
+    """Return the rows of a step, of the robots that are there.
 
     Args:
         names: (n) of the robots.
@@ -79,13 +79,15 @@ def rows_of(
     if isinstance(belief, GaussianBelief):
         nothing = (None,) * 5
         estimates = _estimates(belief)
-        return [Row(time, name, k, *nothing, False, estimates[k]) for k, name in enumerate(names)]
+        told = [Row(time, name, k, *nothing, False, estimates[k]) for k, name in enumerate(names)]
+        return [row for row in told if row.number not in belief.away]
     ekf = [None] * len(names) if beside is None else _estimates(beside)
     headings = zip(belief.headings.centre.tolist(), belief.headings.bound.tolist(), strict=True)
     known = zip(_regions(belief), headings, belief.guarantee.in_force.tolist(), strict=True)
     return [
         Row(time, names[k], k, outer, margin, inner, heading, area, in_force, ekf[k])
         for k, ((outer, margin, inner, area), heading, in_force) in enumerate(known)
+        if k not in belief.guarantee.away
     ]
 
 

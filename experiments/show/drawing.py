@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from experiments.following.located import Located
-from filter import Array, Bearing, Frame, Polygon, Range, Region, Team, Truth
+from experiments.following.located import Located, there
+from filter import Array, Bearing, Frame, Integers, Polygon, Range, Region, Team, Truth
 
 TRAIL = 8.0  # how long a robot's way stays to be seen [s]
 UNKNOWN_ARENA = np.array([[-4.0, -4.0], [4.0, 4.0]])  # what is shown at least where the arena has no limits [m]
@@ -91,15 +91,16 @@ class Drawing:
 
     def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         """Yield each entity's path and what it shows at this instant."""
+        here = there(belief)
         for robot, region in enumerate(belief.regions):
-            yield from self._region(self.team.name(robot), region)
+            yield from self._region(self.team.name(robot), region) if here[robot] else nothing(self.team.name(robot))
         if frame.truth is not None:
             for robot in range(self.team.robots):
                 yield from self._truth(self.team.name(robot), frame.truth, robot)
-        for robot, region in enumerate(belief.regions):
+        for robot in np.flatnonzero(here).tolist():
             place = None if frame.truth is None else frame.truth.positions[robot]
             seen = place is not None and bool(np.isfinite(place).all())
-            yield self._trail(robot, frame.time, place if place is not None and seen else region.outer.centroid)
+            yield self._trail(robot, frame.time, place if place is not None and seen else belief.regions[robot].outer.centroid)
         yield from rays(frame, belief, self.team)
 
     def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
@@ -139,12 +140,12 @@ class Layers:
 
     def items(self, frame: Frame, belief: Located) -> Iterator[tuple[str, Item]]:
         """Yield each layer's path and what it shows at this instant, robot by robot."""
-        outers = [region.outer for region in belief.regions]
-        inners = [region.inner for region in belief.regions if region.inner]
+        regions = [region for region, here in zip(belief.regions, there(belief), strict=True) if here]
+        outers, inners = [region.outer for region in regions], [region.inner for region in regions if region.inner]
         yield f"/world/fill/{ALL}", Fans(tuple(at_height(outer.vertices, "fill") for outer in outers))
         yield f"/world/outer/{ALL}", Strips(tuple(closed(outer, "outer") for outer in outers))
         yield f"/world/inner/{ALL}", Strips(tuple(closed(inner, "inner") for inner in inners))
-        yield f"/world/estimate/{ALL}", Points(at_height(np.array([outer.centroid for outer in outers]), "estimate"))
+        yield f"/world/estimate/{ALL}", Points(at_height(np.reshape([outer.centroid for outer in outers], (-1, 2)), "estimate"))
         if frame.truth is not None:
             places, headings = at_height(frame.truth.positions, "truth"), frame.truth.headings
             along = ARROW * np.column_stack([np.cos(headings), np.sin(headings), np.zeros(len(headings))])
@@ -152,10 +153,21 @@ class Layers:
             yield f"/world/heading/{ALL}", Arrows(places, along)
         yield from rays(frame, belief, self.team)
         yield from _plotted("/area", [outer.area for outer in outers])
-        yield from _plotted("/performance_ratio", [region.performance_ratio for region in belief.regions])
+        yield from _plotted("/performance_ratio", [region.performance_ratio for region in regions])
+
+
+def nothing(name: str) -> Iterator[tuple[str, Item]]:
+    """Yield what is drawn of a robot that is away."""
+    yield f"/world/fill/{name}", Fans(())
+    yield f"/world/outer/{name}", Strips(())
+    yield f"/world/inner/{name}", Strips(())
+    for what in ("estimate", "label"):
+        yield f"/world/{what}/{name}", Points(np.zeros((0, 3)))
 
 
 def _plotted(plot: str, values: Sequence[float]) -> Iterator[tuple[str, Item]]:
+    if not values:  # everybody is away
+        return
     for name, value in zip(PLOTTED, (float(np.mean(values)), min(values), max(values)), strict=True):
         yield f"{plot}/{name}", Number(value)
 
@@ -170,11 +182,10 @@ def rays(frame: Frame, belief: Located, team: Team) -> Iterator[tuple[str, Item]
         yield f"/world/rays/{kind.__name__.lower()}", Strips(lines)
 
 
-def triangles_of(counts: Sequence[int]) -> list[Array]:
-    """Return the triangles, as numbers of vertices laid end to end, of fans with so many vertices."""
-    firsts = np.cumsum([0, *counts[:-1]])
-    fans = [np.array([[0, k, k + 1] for k in range(1, count - 1)], dtype=np.int64).reshape(-1, 3) for count in counts]
-    return [first + fan for first, fan in zip(firsts, fans, strict=True)]
+def triangles_of(counts: Sequence[int]) -> Integers:
+    """Return (t, 3) the triangles, as numbers of vertices laid end to end, of fans with so many vertices."""
+    corners = [(at, k) for at, count in zip(np.cumsum([0, *counts]), counts, strict=False) for k in range(1, count - 1)]
+    return np.array([[at, at + k, at + k + 1] for at, k in corners], dtype=np.int64).reshape(-1, 3)
 
 
 def extent_of(team: Team) -> tuple[Array, Array]:

@@ -52,6 +52,7 @@ ELLIPSE: Colour = (255, 214, 102)  # of another estimator
 ALARM: Colour = (255, 76, 76)
 ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
 CROWDED = 0.4  # size of a large team's points and lines, relative to a small one's
+NO_POINTS = np.zeros((0, 3))
 CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
 RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
 
@@ -282,8 +283,8 @@ def _columns(items: Sequence[Any]) -> list[Any]:
 
 
 def _fans(items: Sequence[Fans]) -> list[Any]:
-    points = [np.concatenate(item.polygons) for item in items]
-    triangles = [np.concatenate(triangles_of([len(vertices) for vertices in item.polygons])) for item in items]
+    points = [np.concatenate([NO_POINTS, *item.polygons]) for item in items]
+    triangles = [triangles_of([len(vertices) for vertices in item.polygons]) for item in items]
     corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(points)).partition([len(each) for each in points])
     indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(each) for each in triangles])
     return [*corners, *indices]

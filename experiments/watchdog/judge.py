@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.following.located import there
 from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.reach import Reach
 from filter import Alarm, Array, Belief, Frame, InvalidInput, Mask, Team, watch
@@ -34,7 +35,7 @@ class Judge:
     """Judges poses between the frames of a log.
 
     A pose is possible only if the robot can have got there from where it was at the frame before, and from there to where it
-    is at the frame after.
+    is at the frame after. Nothing is proved of one that is away, or may have been carried in between.
 
     Attributes:
         reach: How far robots can get.
@@ -67,15 +68,18 @@ class Judge:
         until = times[frame] if frame < len(times) - 1 else self.last
         for moment in claimed.moments(after, until):
             time, positions = float(claimed.times[moment]), claimed.positions[moment]
-            verdict = Verdict(time, np.isfinite(positions).all(axis=1), {}, {})
+            verdict = Verdict(time, np.zeros(len(positions), dtype=bool), {}, {})
             for number, belief in enumerate(beliefs, frame + 1 - len(beliefs)):
                 self._judge(number, belief, positions, verdict)
             yield verdict
 
     def _judge(self, frame: int, belief: Belief, positions: Array, verdict: Verdict) -> None:
         """Add what is proved by a frame."""
-        moved = self.reach.away(frame, verdict.time - self.tolerance, verdict.time + self.tolerance)
-        outside = verdict.judged & ~belief.regions.contains(positions)
+        span = verdict.time - self.tolerance, verdict.time + self.tolerance
+        moved = self.reach.away(frame, *span)
+        judged = np.isfinite(positions).all(axis=1) & there(belief) & ~self.reach.carried(frame, *span)
+        verdict.judged[judged] = True
+        outside = judged & ~belief.regions.contains(positions)
         # Most poses are inside: nothing can be proved of them.
         for alarm in watch(belief, np.where(outside[:, None], positions, np.nan), moved=moved) if outside.any() else ():
             known = verdict.alarms.get(alarm.robot)

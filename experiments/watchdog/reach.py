@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.following.frozen import freeze
-from filter import Array, Frame, Team
+from filter import Array, Frame, Mask, Team
 
 ROUNDING = 1e-9  # of sums of lengths, by far [m]
 
@@ -25,11 +25,13 @@ class Reach:
         times: (f,) of the frames [s].
         speeds: (f, n) greatest speed from each frame to the next, from the last one on, and before the first [m/s].
         lengths: (f, n) longest path from the first frame to each [m].
+        changed: (f, n) whether a robot is placed or leaves at a frame: it can have been carried since the one before.
     """
 
     times: Array
     speeds: Array
     lengths: Array
+    changed: Mask
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -45,12 +47,21 @@ class Reach:
                 speeds[place, driven.robot] = np.maximum(speeds[place, driven.robot], faster)
         speeds[-1] = speeds[-2:].max(axis=0)
         steps = speeds[:-1] * np.diff(times)[:, None]
-        return cls(times, speeds, np.concatenate([np.zeros((1, team.robots)), np.cumsum(steps, axis=0)]))
+        changed = np.zeros((len(frames), team.robots), dtype=bool)
+        for place, frame in enumerate(frames):
+            changed[place, [change.robot for change in frame.changes]] = True
+        return cls(times, speeds, np.concatenate([np.zeros((1, team.robots)), np.cumsum(steps, axis=0)]), changed)
 
     def away(self, frame: int, earliest: float, latest: float) -> Array:
         """Return (n,) how far robots can be from where they were at a frame, at any time from one to another [m]."""
         there = self.lengths[frame]
         return np.maximum(np.abs(self._until(earliest) - there), np.abs(self._until(latest) - there)) + ROUNDING
+
+    def carried(self, frame: int, earliest: float, latest: float) -> Mask:
+        """Return (n,) which robots may have been carried between a frame and any time from one to another."""
+        first = np.searchsorted(self.times, min(earliest, self.times[frame]), side="right")
+        last = max(frame, int(np.searchsorted(self.times, latest)))
+        return np.asarray(self.changed[first : last + 1].any(axis=0))
 
     def _until(self, time: float) -> Array:
         """Return (n,) the longest path from the first frame to a time [m]; negative before it."""

@@ -1,5 +1,6 @@
 """How robots moved: what their wheels or their commands say of it."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from filter.arrays import Array, Floats, Integers, checked, finite, number
 from filter.errors import InvalidInput
-from filter.records.record import BELOW_90_DEGREES, ROBOT, TIME, Record
+from filter.records.record import BELOW_90_DEGREES, ROBOT, TIME, Record, field_names
 
 SHORTEST = 1e-6  # that a twist holds [s]
 
@@ -67,6 +68,12 @@ class Odometry(Record):
             raise InvalidInput(f"odometry that ends at its start or later, from {self.start!r} s on", f"{self.time!r} s")
         if len(np.unique(self.robot)) < len(self.robot):
             raise InvalidInput("odometry: each robot at most once", f"robots {self.robot.tolist()}")
+
+    def without(self, robots: Collection[int]) -> "Odometry":
+        """Return the motion of all others."""
+        others = np.flatnonzero(~np.isin(self.robot, list(robots)))
+        columns = {name: getattr(self, name)[others] for name in field_names(self)}
+        return Odometry.of_checked(self.time, columns, start=self.start)
 
 
 @dataclass(frozen=True, eq=False)

@@ -106,7 +106,14 @@ class Belief:
         lower[robot], upper[robot], origin[robot] = mine.lower[0], mine.upper[0], number[0]
         rows = Constraints.concatenate([self.constraints.select(of_others), own])
         headings = self.headings.replaced(np.array([robot]), alone.headings)
-        return Belief(self.time, Polytope(rows, lower, upper, origin), headings, table, self.guarantee).compact()
+        here = self.guarantee.with_again(robot)
+        return Belief(self.time, Polytope(rows, lower, upper, origin), headings, table, here).compact()
+
+    def without_robot(self, robot: int) -> Belief:
+        """Return what is known if one robot is away: what tied others to it is gone."""
+        tied = (self.constraints.i == robot) | ((self.constraints.i != WORLD) & (self.constraints.j == robot))
+        polytope = self.polytope.with_constraints(self.constraints.select(~tied))
+        return Belief(self.time, polytope, self.headings, self.sources, self.guarantee.without(robot)).compact()
 
     @property
     def constraints(self) -> Constraints:

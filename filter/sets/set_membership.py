@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any, Literal, Self, get_args
 
 import numpy as np
@@ -22,6 +23,7 @@ from filter.projection.window import Window
 from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry
+from filter.records.presence import Change, Left
 from filter.sensing.cells import ByCases
 from filter.sensing.headings import looks_at_a_glance
 from filter.sensing.motion import Displacements, displacements, turned_headings
@@ -133,11 +135,24 @@ class SetMembershipFilter(Frozen):
         alone = replace(self, team=Team(1, arena=self.team.arena)).start(belief.time, [polygon], heading)
         return belief.with_robot(which, alone)
 
+    def changed(self, belief: Belief, change: Change) -> Belief:
+        """Return the belief in which a robot is `placed`, or in which one has left.
+
+        Of a robot that is away nothing is said, and measurements by it or of it are refused, until it is placed again. Raises
+        `OutOfOrder` if the change is of another time, and `InvalidInput` if there is no such robot or no such set.
+        """
+        self.team.check_belief(belief, Belief, "headings")
+        robot = self.team.checked_change(change, belief.time).robot
+        if isinstance(change, Left):
+            return belief.without_robot(robot)
+        return self.placed(belief, robot, change.polygon, change.heading)
+
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
         """Return the belief at a later time [s]; raises `Inconsistent`, too, if a robot has left the arena for sure."""
         self.on_phase("predict")
         self.team.check_belief(belief, Belief, "headings")
         time, before = self.team.check_motion(belief.time, time, odometry), replace(belief, moved=None)
+        odometry = belief.guarantee.of_those_there(odometry)
         try:
             after = self._predicted(before, (time, odometry), self.team.arena)
         except Inconsistent as error:
@@ -155,7 +170,7 @@ class SetMembershipFilter(Frozen):
         """
         self.on_phase("headings")
         self.team.check_belief(belief, Belief, "headings")
-        records = self.team.checked(belief.time, measurements)
+        records = self.team.checked(belief.time, measurements, belief.guarantee.away)
         is_over = self.budget.begin() if self.budget else never
         cases = [Premises(belief, None, records, self.team, self._excludes)]
         if belief.moved:
@@ -175,13 +190,14 @@ class SetMembershipFilter(Frozen):
         would say more, or where something is in conflict, it is a step for each. Raises what `predict` and `update` raise.
         """
         steps = several("frames", frames, Frame)
-        together = self._together(belief, steps) if len(steps) > 1 else None
+        alike = len(steps) > 1 and not any(frame.changes for frame in steps)
+        together = self._together(belief, steps) if alike else None
         if together is not None:
             return together
         for frame in steps:
             moved = frame.time != belief.time or frame.odometry is not None
             belief = self.predict(belief, frame.time, frame.odometry) if moved else belief
-            belief = self.update(belief, frame.measurements)
+            belief = self.update(reduce(self.changed, frame.changes, belief), frame.measurements)
         return belief
 
     def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
@@ -190,7 +206,9 @@ class SetMembershipFilter(Frozen):
         time, records = belief.time, list[Measurement]()
         for frame in frames:
             time = self.team.check_motion(time, frame.time, frame.odometry)
-            records += self.team.checked(frame.time, frame.measurements)
+            records += self.team.checked(frame.time, frame.measurements, belief.guarantee.away)
+        if belief.guarantee.away:
+            frames = [replace(frame, odometry=belief.guarantee.of_those_there(frame.odometry)) for frame in frames]
         since = Since.of(self.team, belief.headings, belief.time, frames)
         readings = Readings.of(time, records, since)
         is_over = self.budget.begin() if self.budget else never

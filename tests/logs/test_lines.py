@@ -307,5 +307,5 @@ def test_what_is_settled_is_what_the_public_constructor_makes():
     robots.setflags(False)
     settled = records.settled(Odometry, start=0.0, time=1.0, robot=robots, **columns)
     assert told(settled) == told(Odometry(0.0, 1.0, robots, **columns))
-    frame = {"time": 1.0, "odometry": None, "measurements": (), "truth": None}
+    frame = {"time": 1.0, "odometry": None, "measurements": (), "truth": None, "changes": ()}
     assert vars(records.settled(Frame, **frame)) == vars(Frame(**frame))

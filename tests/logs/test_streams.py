@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from experiments.logs import FrameEnd, Header, InitialSet, InvalidLog, Joined, Left, LogReader, LogWriter, TruthAt
-from filter import Bearing, Compass, Frame, InvalidInput, Odometry, Polygon, Position, Range, Team, Truth, Twist
+from experiments.logs import FrameEnd, Header, InitialSet, InvalidLog, Joined, LogReader, LogWriter, TruthAt
+from filter import Bearing, Compass, Frame, InvalidInput, Left, Odometry, Polygon, Position, Range, Team, Truth, Twist
 
 MARKS = {"gate": [0.1, 0.2], "door": [1 / 3, -2e-17]}
 ARENA = [[-6, -np.inf], [6, np.inf]]
@@ -233,13 +233,6 @@ def test_a_header_at_fault_is_refused(tmp_path, fault):
     changed, match = HEADS[fault]
     with pytest.raises(InvalidLog, match=f"line 1: .*{match}"):
         read(tmp_path / "log.jsonl", **changed)
-
-
-def test_what_belongs_to_no_frame_is_refused_where_frames_are_read(tmp_path):
-    path, left = tmp_path / "log.jsonl", {"record": "leave", "robot": "bob", "time": 1}
-    path.write_text(text_of(COMPASS, left, {"record": "frame", "time": 1}))
-    with pytest.raises(InvalidLog, match=r"line 5: .*LogReader.records yields the others.*came Left"):
-        list(LogReader(path).frames())
 
 
 def test_a_log_needs_no_frames(tmp_path):

@@ -16,8 +16,8 @@ from experiments.logs.reading.bodies import bodies_of
 from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.heads import read_set
 from experiments.logs.reading.pairs import VALUES, without_pairs
-from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Left, Record, TruthAt
-from filter import Bearing, Compass, Integers, InvalidInput, Odometry, Polygon, Position, Range, Truth, Twist
+from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Record, TruthAt
+from filter import Bearing, Compass, Integers, InvalidInput, Left, Odometry, Polygon, Position, Range, Truth, Twist
 
 ASIDE = "aside"  # a column that need not be there
 

@@ -19,10 +19,11 @@ from filter.records.sensors import Mountings
 from filter.sensing.motion import CORNERS, Displacements
 from filter.sensing.readings import Readings
 
-# Where the corners around an arc are, in its half-width from its middle: at both ends, and where tangents meet; and how many
-# times its half-width the tangents of these touch away.
-PLACES = np.concatenate([[-1.0], np.arange(1 - (CORNERS - 2), CORNERS - 2, 2) / (CORNERS - 2), [1.0]])
-TANGENT = np.concatenate([[0.0], np.full(CORNERS - 2, 1 / (CORNERS - 2)), [0.0]])
+# Where the corners around an arc are, in its half-width from its beginning: at both ends, and where tangents meet; and in how
+# many times its half-width from there these touch it.
+TANGENTS = CORNERS - 2
+PLACES = np.concatenate([[0.0], np.arange(1, 2 * TANGENTS, 2) / TANGENTS, [2.0]])
+TOUCH = np.concatenate([[0.0], np.full(TANGENTS, 1 / TANGENTS), [0.0]])
 SIDES = 8  # of what stands for the disc of a slip
 
 
@@ -81,7 +82,7 @@ class Arms(Frozen):
         angle = 2 * np.pi * np.arange(SIDES) / SIDES
         around = np.stack([np.cos(angle), np.sin(angle)], axis=1) / np.cos(np.pi / SIDES)
         radius = ways.slip[reading] + 16 * EPSILON * (size + ways.slip[reading])
-        return hull_of((corners[:, None] + radius * around).reshape(-1, 2))
+        return hull_of(np.add(corners[:, None], radius * around).reshape(-1, 2))
 
 
 def ways_from(mountings: Mountings, sensor: Integers, looks: AngularIntervals) -> Displacements:
@@ -89,6 +90,6 @@ def ways_from(mountings: Mountings, sensor: Integers, looks: AngularIntervals) -
     back, slip = -mountings.position[sensor], mountings.position_bound[sensor]
     length = np.hypot(back[:, 0], back[:, 1])
     ways = looks.turned(np.arctan2(back[:, 1], back[:, 0]))
-    angle = ways.centre[:, None] + ways.bound[:, None] * PLACES
-    reach = length[:, None] / np.cos(ways.bound[:, None] * TANGENT)
+    begin, bound = ways.centre[:, None] - ways.bound[:, None], ways.bound[:, None]
+    angle, reach = begin + bound * PLACES, length[:, None] / np.cos(bound * TOUCH)
     return Displacements(np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=2), length, slip)

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from helpers.mounted import MountedWorld, turned
 
-from filter import AngularIntervals, Bearing, Compass, Polygon, Range, Sensor
+from filter import AngularIntervals, Bearing, Compass, Frame, Odometry, Polygon, Range, Sensor, Team
 from filter.geometry.angles import wrap
 from filter.linear.constraints import Constraints
 from filter.records.sensors import Mountings
 from filter.sensing.arms import Arms, ways_from
-from filter.sensing.looks import narrowed_by_bearings
+from filter.sensing.looks import Look, narrowed_by_bearings
 from filter.sensing.readings import Readings
+from filter.sensing.since import Since
 
 SEEDS = range(30)
 
@@ -105,6 +106,32 @@ def test_the_ways_between_centres_are_others_by_no_more_than_is_said(seed):
                 np.concatenate([corners + 1e-9 * np.array(side) for side in ((1, 1), (-1, 1), (-1, -1), (1, -1))])
             )
             assert hull.contains(sign * apart[k])
+
+
+def test_what_is_added_up_errs_outward():
+    mountings = Mountings.of([Sensor("a", [3.0, 1.0]), Sensor("b", [0.0, 0.0], 0.3), Sensor("c", [3.0, 0.0], 0.3)])
+    record = Range(0.0, 0, 1, 5.0, 0.1, 0.0, [0, 1, 2, 1], [0, 1, 0, 0])
+    readings = Readings.of(0.0, [record], mountings=mountings)
+    arms = Arms.of(readings, AngularIntervals([0.5, 0.5], [0.0, 0.0]), 2)
+    (_, own, size), (_, others, further) = arms.own.discs, arms.others.discs
+    _, radius = arms.between(np.arange(4))
+    assert (radius >= own + others + 0.9e-12 * (size + further)).all()
+    for k, bound in enumerate(arms.own.slip + arms.others.slip):
+        corners = arms.seen(k, False) + arms.between(np.array([k]))[0]
+        for angle in np.arange(16) * np.pi / 8:
+            assert (corners @ [np.cos(angle), np.sin(angle)]).max() >= bound * (1 + 1e-15)
+
+
+def test_at_each_instant_the_heading_of_that_instant_counts():
+    team = Team(2, turn_rate_limit=0.0, sensors=[Sensor("a", [1.0, 0.0])])
+    turns = [Odometry(k, k + 1.0, [0, 1], 0, 0, [1.0, -0.5], 0, 0, 0) for k in range(2)]
+    frames = [Frame(k + 1.0, turn, [Range(k + 1.0, 0, 1, 2.0, 0.1, 0.0, 0, 0)]) for k, turn in enumerate(turns)]
+    since = Since.of(team, AngularIntervals([0.0, 0.0], [0.0, 0.0]), 0.0, frames)
+    readings = Readings.of(2.0, [record for frame in frames for record in frame.measurements], since, team.mountings)
+    arms = Look.of_compasses(since.headings, readings).arms
+    for robot, ways in ((0, arms.own), (1, arms.others)):
+        heading = np.array([1.0, 2.0]) * (1.0, -0.5)[robot]
+        assert ways.discs[0] == pytest.approx(-np.stack([np.cos(heading), np.sin(heading)], axis=1))
 
 
 def test_readings_of_sensors_are_turned_to_the_robots_forward_axis():

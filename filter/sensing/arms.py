@@ -87,9 +87,10 @@ class Arms(Frozen):
 
 def ways_from(mountings: Mountings, sensor: Integers, looks: AngularIntervals) -> Displacements:
     """Return the ways from the places of sensors (k,) to the centres of robots with (k) headings [rad]."""
-    back, slip = -mountings.position[sensor], mountings.position_bound[sensor]
+    back = -mountings.position[sensor]
     length = np.hypot(back[:, 0], back[:, 1])
     ways = looks.turned(np.arctan2(back[:, 1], back[:, 0]))
     begin, bound = ways.centre[:, None] - ways.bound[:, None], ways.bound[:, None]
     angle, reach = begin + bound * PLACES, length[:, None] / np.cos(bound * TOUCH)
+    slip = mountings.position_bound[sensor] + 16 * EPSILON * length  # as the angles of corners are rounded, too
     return Displacements(np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=2), length, slip)

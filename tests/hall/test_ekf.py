@@ -3,7 +3,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from helpers.mounted import MountedWorld
+from helpers.sensing.mounted import MountedWorld
 from helpers.worlds import World
 from scipy.stats import chi2
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.mounted import MountedWorld, turned
+from helpers.sensing.mounted import MountedWorld, turned
 
 from filter import AngularIntervals, Bearing, Compass, Frame, Odometry, Polygon, Range, Sensor, Team
 from filter.geometry.angles import wrap
@@ -22,23 +22,23 @@ def way_of(seed):
     place = rng.choice([0.0, 1.0, 30.0]) * rng.uniform(-1, 1, 2)
     bound, half = rng.choice([0.0, 0.05]), rng.choice([0.0, 1e-3, 0.3, 1.5, 3.0, np.pi])
     arc = AngularIntervals(rng.uniform(-np.pi, np.pi), half)
-    heading = wrap(arc.centre + half * np.append(rng.uniform(-1, 1, 300), [-1, 0, 1]))
-    off = rng.uniform(-np.pi, np.pi, len(heading))
-    really = place + bound * np.stack([np.cos(off), np.sin(off)], axis=1)
+    heading = arc.centre.astype(np.longdouble) + half * np.append(rng.uniform(-1, 1, 300), [-1, 0, 1])
+    off, shorter = rng.uniform(-np.pi, np.pi, len(heading)).astype(np.longdouble), np.longdouble(1 - 1e-18)
+    really = place + bound * shorter * np.stack([np.cos(off), np.sin(off)], axis=1)
     mountings = Mountings.of([Sensor("a", [9, 9]), Sensor("b", place, bound)])
     return ways_from(mountings, np.array([1]), arc), -turned(heading, really), (place, bound, arc)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_way_is_beyond_the_supports_and_the_disc(seed):
+    """The ways are computed with eleven bits more, and there is no tolerance."""
     ways, true, _ = way_of(seed)
-    rounding = 1e-14 * (1 + np.abs(true).max())
-    for angle in np.linspace(-np.pi, np.pi, 40):
+    for angle in np.linspace(-np.pi, np.pi, 41):
         direction = np.array([np.cos(angle), np.sin(angle)])
         (most,) = ways.support(np.array([0]), direction[None])
-        assert (true @ direction).max() <= most + rounding
-    (centre,), (radius,), _ = ways.discs
-    assert np.hypot(*(true - centre).T).max() <= radius + rounding
+        assert (true @ direction.astype(np.longdouble)).max() <= most
+    (centre,), (radius,), (size,) = ways.discs
+    assert np.hypot(*(true - centre).T).max() <= radius + 1e-12 * size
 
 
 @pytest.mark.parametrize("seed", SEEDS)

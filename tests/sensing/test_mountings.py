@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.mounted import MountedWorld
+from helpers.sensing.mounted import MountedWorld
 from helpers.worlds import World
 
 from filter import (

@@ -22,11 +22,11 @@ from filter.arrays import Array, Floats, Integers, checked, finite, instance, nu
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import BY_HAND, Polygon
-from filter.records.record import AT_THE_CENTRE, BELOW_1, BELOW_90_DEGREES, ROBOT, SENSOR, TARGET, TIME, Record, place
+from filter.records.record import BELOW_1, BELOW_90_DEGREES, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
 
 
 def _centre() -> Integers:
-    return np.full(1, AT_THE_CENTRE)
+    return CENTRE
 
 
 class _Sighting(Record):

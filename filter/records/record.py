@@ -5,13 +5,20 @@ from typing import Any, Self
 
 import numpy as np
 
-from filter.arrays import Array, Floats, Frozen, checked, finite, number, read_only, settle, shown, whole
+from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, number, read_only, settle, shown, whole
 from filter.errors import InvalidInput
 
 AT_THE_CENTRE = -1  # the number of a sensor that is at its robot's centre and looks forward
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
-SENSOR = checked(whole, "sensor", AT_THE_CENTRE)
+CENTRE = read_only(np.full(1, AT_THE_CENTRE))  # the column of sensors where nothing is said
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
+
+
+def _numbers(name: str, values: Floats) -> Integers:
+    return CENTRE if values is CENTRE else whole(name, values, AT_THE_CENTRE)
+
+
+SENSOR = checked(_numbers, "sensor")
 
 
 class Record(Frozen):

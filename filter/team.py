@@ -31,6 +31,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range, measurements_of
 from filter.records.odometry import Odometry, Twist
+from filter.records.record import AT_THE_CENTRE
 from filter.records.sensors import Mountings, Sensor, sensors_in
 
 NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names and of paths in recordings
@@ -164,12 +165,12 @@ class Team(Frozen):
             self._check_sensors(record)
 
     def _check_sensors(self, record: Compass | Bearing | Range) -> None:
-        count, tags = len(self.sensors), None if isinstance(record, Compass) else record.target_sensor
-        for numbers in (record.sensor,) if tags is None else (record.sensor, tags):
-            if (numbers >= count).any():
-                known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
-                raise InvalidInput(f"a sensor among the team's, {known} for the centre", int(numbers.max()))
-        if not isinstance(record, Compass) and count and (record.target_sensor[record.target >= self.robots] >= 0).any():
+        count, tags = len(self.sensors), getattr(record, "target_sensor", record.sensor)
+        largest = int(max(record.sensor.max(initial=AT_THE_CENTRE), tags.max(initial=AT_THE_CENTRE)))
+        if largest >= count:
+            known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
+            raise InvalidInput(f"a sensor among the team's, {known} for the centre", largest)
+        if not isinstance(record, Compass) and (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
             raise InvalidInput("a target_sensor on a robot: landmarks are where they are", "one on a landmark")
 
     def initial(

@@ -10,6 +10,7 @@ from filter.linear.constraints import Constraints
 from filter.records.sensors import Mountings
 from filter.sensing.arms import Arms, ways_from
 from filter.sensing.looks import Look, narrowed_by_bearings
+from filter.sensing.motion import CORNERS
 from filter.sensing.readings import Readings
 from filter.sensing.since import Since
 
@@ -32,7 +33,9 @@ def way_of(seed):
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_way_is_beyond_the_supports_and_the_disc(seed):
     """The ways are computed with eleven bits more, and there is no tolerance."""
-    ways, true, _ = way_of(seed)
+    ways, true, (place, bound, _) = way_of(seed)
+    assert ways.vertices.shape == (1, CORNERS, 2)
+    assert ways.slip[0] >= bound + 3e-15 * np.hypot(*place)
     for angle in np.linspace(-np.pi, np.pi, 41):
         direction = np.array([np.cos(angle), np.sin(angle)])
         (most,) = ways.support(np.array([0]), direction[None])

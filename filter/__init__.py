@@ -24,6 +24,7 @@ from filter.records.frame import Frame, Truth
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Left, Placed
+from filter.records.sensors import Sensor
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
@@ -40,7 +41,8 @@ from filter.team import Team
 from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
-__all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Team", "Truth", "Twist"]
+__all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Sensor", "Team"]
+__all__ += ["Truth", "Twist"]
 __all__ += ["Arrival", "Left", "Motions", "Placed", "frames_of"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]

@@ -12,15 +12,16 @@ from math import erfc
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, checked, finite, instance, positive, settle, whole_number
+from filter.arrays import Array, Frozen, Integers, checked, finite, instance, positive, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.records.measurements import Bearing, Compass, Measurement, Position
+from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.odometry import Odometry
 from filter.records.presence import Change, Left
 from filter.records.record import BELOW_1, TIME
+from filter.records.sensors import Mountings
 from filter.team import Team
 
 STATES = 3  # x, y, heading
@@ -30,6 +31,7 @@ ENDLESS = 1e9  # a position that reaches so far from where a robot is believed t
 NEAREST = 1e-6  # nearer than this no target has a direction [m]
 FINEST = 1e-15  # no deviation of a reading counts as smaller [m], [rad], ...
 ROUNDING = 2.0**-42  # ... and no variance as a smaller share of the one that the belief expects of the reading
+NO_SENSORS = Mountings.of(())  # all at the centre
 QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no belief: that is an error of ours
 
 
@@ -119,7 +121,8 @@ class ExtendedKalmanFilter(Frozen):
     A reading whose declared bound is zero, or finer than doubles can tell beside what is known, counts as exact as they can:
     its variance is no less than a thousand roundings of the variance that the belief expects of it, so that covariances stay
     positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing. A
-    position is weighed as the box around it; one without an end on all sides, as a half-plane, tells nothing.
+    position is weighed as the box around it; one without an end on all sides, as a half-plane, tells nothing. Sensors measure
+    from where they are mounted, as the mean has it; the bounds of mountings are added to those of their readings.
 
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
@@ -220,29 +223,33 @@ class ExtendedKalmanFilter(Frozen):
 
     def _linearised(self, belief: GaussianBelief, record: Measurement) -> tuple[Array, Array, Array]:
         """Return innovations (k,), Jacobian (k, 3n) and variances (k,) of a record at the mean."""
-        count, robot = len(record.robot), record.robot
-        H, rows = np.zeros((count, belief.mean.size)), np.arange(count)
-        if isinstance(record, Compass):
-            H[rows, STATES * robot + 2] = 1
-            innovation = wrap(record.heading - belief.mean[robot, 2])
-            return innovation, H, (self.noise.compass * record.bound) ** 2
         if isinstance(record, Position):
             return self._placed(belief, record)
+        count, robot, sensor = len(record.robot), record.robot, record.sensor
+        H, rows, mountings = np.zeros((count, belief.mean.size)), np.arange(count), self.team.mountings or NO_SENSORS
+        if isinstance(record, Compass):
+            H[rows, STATES * robot + 2] = 1
+            innovation = wrap(record.heading - mountings.angle[sensor] - belief.mean[robot, 2])
+            return innovation, H, (self.noise.compass * (record.bound + mountings.angle_bound[sensor])) ** 2
+        arms, tags = (_arms(belief, body, mountings.position[each]) for body, each in _ends(record))
         bodies = np.concatenate([belief.mean[:, :2], self.team.landmarks])
-        away = bodies[record.target] - bodies[robot]
-        distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST)
-        towards = away / distance[:, None]
+        away = bodies[record.target] + tags - bodies[robot] - arms
+        distance, off = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST), mountings.position_bound[sensor]
+        off, towards = off + mountings.position_bound[record.target_sensor], away / distance[:, None]
         if isinstance(record, Bearing):
             slope = np.column_stack([-towards[:, 1], towards[:, 0]]) / distance[:, None]
             H[rows, STATES * robot + 2] = -1
-            innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - belief.mean[robot, 2]))
-            variance = (self.noise.bearing * record.bound) ** 2
+            way = belief.mean[robot, 2] + mountings.angle[sensor]
+            innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - way))
+            variance = (self.noise.bearing * (record.bound + mountings.angle_bound[sensor] + off / distance)) ** 2
         else:
             slope, innovation = towards, record.range - distance
             # At the predicted distances: at the measured ones, short readings would weigh more.
-            variance = (self.noise.range * (record.bound + record.relative_bound * distance)) ** 2
+            variance = (self.noise.range * (record.bound + off + record.relative_bound * distance)) ** 2
         H[distance <= NEAREST] = slope[distance <= NEAREST] = 0
         moving = np.flatnonzero(record.target < self.team.robots)
+        H[rows, STATES * robot + 2] -= _turned(slope, arms)
+        H[moving, STATES * record.target[moving] + 2] += _turned(slope, tags)[moving]
         for axis in range(2):
             H[rows, STATES * robot + axis] -= slope[:, axis]
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
@@ -261,3 +268,20 @@ class ExtendedKalmanFilter(Frozen):
                     H.append(np.eye(belief.mean.size)[STATES * robot + axis])
         innovation, deviation = np.array(found).reshape(-1, 2).T
         return innovation, np.array(H).reshape(-1, belief.mean.size), deviation**2
+
+
+def _ends(record: Bearing | Range) -> tuple[tuple[Integers, Integers], tuple[Integers, Integers]]:
+    """Return the bodies and the sensors (k,) that measured, and those that were measured."""
+    return (record.robot, record.sensor), (record.target, record.target_sensor)
+
+
+def _arms(belief: GaussianBelief, body: Integers, position: Array) -> Array:
+    """Return (k, 2) where sensors are, as seen from the centres of bodies (k,), in the world; landmarks have none [m]."""
+    way = np.where(body < len(belief.mean), belief.mean[np.minimum(body, len(belief.mean) - 1), 2], 0.0)
+    sine, cosine, (ahead, left) = np.sin(way), np.cos(way), position.T
+    return np.stack([cosine * ahead - sine * left, sine * ahead + cosine * left], axis=1)
+
+
+def _turned(slope: Array, arms: Array) -> Array:
+    """Return (k,) how fast readings change as arms turn, where these change by (k, 2) slopes as places move."""
+    return np.asarray(slope[:, 1] * arms[:, 0] - slope[:, 0] * arms[:, 1])

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,8 @@ from filter.geometry.polygon import Polygon
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range, measurements_of
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Change, Left, Placed
+from filter.records.record import AT_THE_CENTRE
+from filter.records.sensors import Mountings, Sensor, sensors_in
 
 NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names and of paths in recordings
 LIMITS = ("speed_limit", "turn_rate_limit", "acceleration_limit", "turn_acceleration_limit")
@@ -79,6 +82,8 @@ class Team(Frozen):
         names: (n + l,) of robots and landmarks, no two alike: r0, r1, ... and l0, l1, ... unless they were given.
         acceleration_limit: (n,) how fast the speed of robots changes at most, likewise; infinite where nobody knows [m/s2].
         turn_acceleration_limit: (n,) how fast their turn rate changes at most, likewise [rad/s2].
+        sensors: What robots carry that is not at their centre, or does not look forward, numbered from 0 on. Any robot may have
+            any of them; all that have it carry it alike.
     """
 
     robots: int = field(metadata=checked(whole_number, "number of robots", 1, MOST_ROBOTS))
@@ -93,6 +98,7 @@ class Team(Frozen):
     turn_acceleration_limit: Array = field(
         default_factory=_endless, metadata=checked(_limits, "turn acceleration limit [rad/s2]")
     )
+    sensors: Sequence[Sensor] = field(default=(), metadata={"check": sensors_in})
 
     if TYPE_CHECKING:  # sequences and mappings are taken, arrays are kept
 
@@ -106,6 +112,7 @@ class Team(Frozen):
             names: Sequence[str] = ...,
             acceleration_limit: Floats | Mapping[str, float] = ...,
             turn_acceleration_limit: Floats | Mapping[str, float] = ...,
+            sensors: Iterable[Sensor] = ...,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -141,8 +148,13 @@ class Team(Frozen):
             raise InvalidInput(f"{limit}: one, or one for each of {self.robots} robots", f"shape {values.shape}")
         return read_only(np.broadcast_to(values, self.robots))
 
+    @cached_property
+    def mountings(self) -> Mountings | None:
+        """How the sensors are mounted, by their numbers; None if there are none."""
+        return Mountings.of(self.sensors) if self.sensors else None
+
     def check(self, record: Measurement | Odometry | Twist) -> None:
-        """Raise `InvalidInput` when it is no record, or names a robot or a target that the team does not have."""
+        """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""
         instance("a record", record, Compass, Bearing, Range, Position, Odometry, Twist)
         robots, bodies = f"robots 0 to {self.robots - 1}", self.robots + len(self.landmarks)
         marks = f"landmarks {self.robots} to {bodies - 1}" if len(self.landmarks) else "no landmark"
@@ -150,6 +162,17 @@ class Team(Frozen):
             named = getattr(record, role, record.robot)
             if (named >= count).any():
                 raise InvalidInput(f"a {role} among {known}", f"{role} {named[named >= count][0]}")
+        if isinstance(record, Compass | Bearing | Range):
+            self._check_sensors(record)
+
+    def _check_sensors(self, record: Compass | Bearing | Range) -> None:
+        count, tags = len(self.sensors), getattr(record, "target_sensor", record.sensor)
+        largest = int(max(record.sensor.max(initial=AT_THE_CENTRE), tags.max(initial=AT_THE_CENTRE)))
+        if largest >= count:
+            known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
+            raise InvalidInput(f"a sensor among the team's, {known} for the centre", largest)
+        if not isinstance(record, Compass) and (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
+            raise InvalidInput("a target_sensor on a robot: landmarks are where they are", "one on a landmark")
 
     def checked_change(self, change: Change, belief_time: float | None = None) -> Change:
         """Return that a robot is placed or has left; `InvalidInput` when it is neither, or the team has no such robot.
@@ -222,10 +245,18 @@ class Team(Frozen):
 
     def number_of(self, name: str) -> int:
         """Return the number of the robot or the landmark of a name; `InvalidInput` if there is none, with the nearest."""
-        if name not in self.names:
-            near = get_close_matches(str(name), self.names, 1)
-            raise InvalidInput(f"a name of a robot or a landmark{f', as {near[0]}' if near else ''}", shown(name))
-        return self.names.index(name)
+        return _place_of("a robot or a landmark", name, self.names)
+
+    def sensor_number(self, name: str) -> int:
+        """Return the number of the sensor of a name; `InvalidInput` if there is none, with the nearest."""
+        return _place_of("a sensor", name, [sensor.name for sensor in self.sensors])
+
+
+def _place_of(what: str, name: str, names: Sequence[str]) -> int:
+    if name not in names:
+        near = get_close_matches(str(name), names, 1)
+        raise InvalidInput(f"a name of {what}{f', as {near[0]}' if near else ''}", shown(name))
+    return names.index(name)
 
 
 def names_in(what: str, values: Any, count: int | None = None) -> tuple[str, ...]:

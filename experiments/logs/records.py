@@ -70,7 +70,7 @@ class Header:
         team: The robots, the landmarks and their limits.
         start: When the initial sets hold [s].
         rate: Frames a second [Hz], or None when they come irregularly.
-        version: Of the format, 1 or 2. Names, limits of single robots and limits of acceleration make it 2.
+        version: Of the format, 1 or 2. Names, limits of single robots, limits of acceleration and sensors make it 2.
 
     Raises:
         InvalidInput: There is no such version.
@@ -84,7 +84,7 @@ class Header:
     def __post_init__(self) -> None:
         if self.version not in (FIRST, SECOND):
             raise InvalidInput(f"a log of version {FIRST} or {SECOND}", self.version)
-        if self.named or not _alike(self.team):
+        if self.named or self.team.sensors or not _alike(self.team):
             object.__setattr__(self, "version", SECOND)
 
     @property

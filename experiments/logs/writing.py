@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.logs.checks import field_names
+from experiments.logs.checks import AT_THE_CENTRE, field_names
 from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Record, TruthAt, numbered
 from filter import Array, Frame, InvalidInput, Left, Measurement, Odometry, Placed, Position, Team, Twist
 
@@ -30,6 +30,7 @@ def header_object(header: Header) -> Object:
         "speed_limit": _limit(names, team.speed_limit),
         "turn_rate_limit": _limit(names, team.turn_rate_limit),
         **_accelerations(team),
+        **_sensors(team),
         "start": float(header.start),
         "rate": None if header.rate is None else float(header.rate),
     }
@@ -49,6 +50,20 @@ def _limit(names: Sequence[str], limits: Array) -> Any:
 def _accelerations(team: Team) -> Object:
     limits = {name: getattr(team, name) for name in ("acceleration_limit", "turn_acceleration_limit")}
     return {name: _limit(team.names[: team.robots], limit) for name, limit in limits.items() if np.isfinite(limit).any()}
+
+
+def _sensors(team: Team) -> Object:
+    """Return how sensors are mounted, if there are any."""
+    mounted = {
+        each.name: {
+            "position": each.position.tolist(),
+            "position_bound": each.position_bound,
+            "angle": each.angle,
+            "angle_bound": each.angle_bound,
+        }
+        for each in team.sensors
+    }
+    return {"sensors": mounted} if mounted else {}
 
 
 def initial_object(header: Header, robot: int, known: InitialSet) -> Object:
@@ -137,6 +152,8 @@ def _columns(header: Header, record: Measurement | Odometry | Twist) -> Object:
             columns |= _aside(header, column)
         elif name == "target":
             columns |= _targets(header, column)
+        elif name in ("sensor", "target_sensor"):
+            columns |= _mounted(header, name, column)
         else:
             columns[name] = [_called(header, robot) for robot in column] if name == "robot" else column
     return columns
@@ -147,6 +164,17 @@ def _aside(header: Header, column: list[float]) -> Object:
         return {}
     _later(header, "odometry with a robot that drives aside")
     return {ASIDE: column}
+
+
+def _mounted(header: Header, name: str, column: list[int]) -> Object:
+    """Return a column of sensors, null for the centre; one of nothing else is left out."""
+    if all(number == AT_THE_CENTRE for number in column):
+        return {}
+    _later(header, "a sensor that is mounted somewhere")
+    sensors = header.team.sensors
+    if max(column) >= len(sensors):
+        raise InvalidInput(f"a {name} among the header's {len(sensors)}", max(column))
+    return {name: [None if number == AT_THE_CENTRE else sensors[number].name for number in column]}
 
 
 def _targets(header: Header, targets: list[int]) -> Object:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from experiments.own_data.mountings import read_sensors
 from experiments.own_data.table import Table, texts
 from experiments.own_data.units import ANGLES, radians
 from experiments.recorded.words import nearest
@@ -43,6 +44,7 @@ class Facts:
         start: When the initial sets hold [s]; None for the first stamp.
         origin: Latitude and longitude of x = y = 0 [degrees], or None.
         ids: What the data call robots and landmarks besides their names.
+        sensors: For each name how it is mounted, as the log's header has it.
     """
 
     robots: Mapping[str, Initial]
@@ -53,6 +55,7 @@ class Facts:
     start: float | None
     origin: tuple[float, float] | None
     ids: Mapping[str, str]
+    sensors: Mapping[str, dict[str, Any]]
 
     def check(self, place: str) -> None:
         """Refuse robots of which nobody says where they are.
@@ -83,6 +86,7 @@ class Facts:
             "arena": [[None if math.isinf(value) else value for value in corner] for corner in self.arena],
             "speed_limit": _common(self.speed_limit),
             "turn_rate_limit": _common(self.turn_rate_limit),
+            **({"sensors": dict(self.sensors)} if self.sensors else {}),
             "start": start,
             "rate": None,
         }
@@ -109,7 +113,8 @@ def read_facts(team: Table, robots: Mapping[str, Table]) -> Facts:
     arena = _box(team, "arena", open_ends=True) if team.has("arena") else OPEN
     start = team.number("start", "a time [s]") if team.has("start") else None
     ids = _ids(team, [*known, *landmarks])
-    return Facts(known, landmarks, arena, limits["speed_limit"], limits["turn_rate_limit"], start, _origin(team), ids)
+    further = _origin(team), ids, read_sensors(team)
+    return Facts(known, landmarks, arena, limits["speed_limit"], limits["turn_rate_limit"], start, *further)
 
 
 def _limit(table: Table, name: str, common: float) -> float:

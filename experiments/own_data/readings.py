@@ -24,7 +24,7 @@ class CompassReading(Reading):
         if bound is None:
             variance = self.channel.fields["variance"](message.content)
             bound = min(radians(self.deviations("bound", variance, message.place), self.door.angle), math.pi)
-        yield self.head("compass", stamp) | {"heading": self.heading(message), "bound": bound}
+        yield self.head("compass", stamp) | {"heading": self.heading(message), "bound": bound} | self.stream.sensors
 
 
 class Sightings(Reading):
@@ -44,7 +44,10 @@ class Sightings(Reading):
                 self.skip(why, "entries")
 
     def _of_one(self, entry: Mapping[str, Any], message: Message, stamp: int) -> list[Record]:
-        body, found = self._body(entry), list[Record]()
+        body, found, mounted = self._body(entry), list[Record](), dict(self.stream.sensors)
+        if "target" not in body:
+            mounted.pop("target_sensor", None)  # landmarks are where they are
+        body |= mounted
         if "bearing" in entry:
             found.append(self.head("bearing", stamp) | body | self._bearing(entry, message.place))
         if "range" in entry:

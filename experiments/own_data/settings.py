@@ -11,6 +11,7 @@ from experiments.own_data.facts import Facts, read_facts
 from experiments.own_data.kinds import STREAM_KINDS
 from experiments.own_data.stream import Clock, Stream, read_stream
 from experiments.own_data.table import Table
+from experiments.recorded.words import nearest
 from filter import InvalidInput
 
 LATENESS = 10.0  # [s]
@@ -58,6 +59,8 @@ def read_settings(path: Path) -> Settings:
     for table in (team, files, every, *robots.values()):
         table.end()
     settings.facts.check(f"{path.name}: [team]:")
+    for stream in settings.streams:
+        _check_sensors(stream, settings.facts)
     return settings
 
 
@@ -65,6 +68,14 @@ def _settings(facts: Facts, streams: tuple[Stream, ...], files: Table, folder: P
     definitions = tuple(folder / name for name in files.list_of_texts("definitions", "a list of files"))
     lateness = files.number_or("lateness", "a number [s]", LATENESS, least=0.0)
     return Settings(facts, streams, lateness, files.word("types", DISTRIBUTIONS, ""), definitions)
+
+
+def _check_sensors(stream: Stream, facts: Facts) -> None:
+    known = list(facts.sensors)
+    for key, name in stream.sensors.items():
+        if name not in known:
+            near = nearest(name, known) if known else "there is none"
+            raise InvalidInput(f"{stream.place}: {key}: a name in [team.sensors]: {near}", f'"{name}"')
 
 
 def _streams(robots: Mapping[str, Table], every: Table, files: Table) -> tuple[Stream, ...]:

@@ -71,6 +71,8 @@ class Stream:
         longest: The longest time that a declared bound of odometry is for [s].
         hold: How long a twist holds, if no other comes [s].
         sideways: Whether the robot can drive to its side.
+        sensor: Which of the team's sensors measures; "" for one at the robot's centre that looks forward.
+        target_sensor: Which one it measures, on robots, likewise.
     """
 
     kind: str
@@ -90,6 +92,13 @@ class Stream:
     longest: float = math.inf
     hold: float = math.inf
     sideways: bool = False
+    sensor: str = ""
+    target_sensor: str = ""
+
+    @property
+    def sensors(self) -> dict[str, str]:
+        """What the settings name of the team's sensors, by their keys."""
+        return {key: name for key in ("sensor", "target_sensor") if (name := getattr(self, key))}
 
 
 def read_stream(kind: str, robot: str, table: Table, clock: Clock) -> Stream:
@@ -116,6 +125,7 @@ def read_stream(kind: str, robot: str, table: Table, clock: Clock) -> Stream:
         k_sigma=k_sigma,
         radius=radius,
         **_further(kind, table),
+        **_mounted(what, kind, table),
     )
     table.end()
     return stream
@@ -213,6 +223,12 @@ def _declared(kind: str, name: str, table: Table, door: Door) -> Bound:
         hint = "" if door.angle == "degrees" else '; unit = "degrees" if these are'
         raise table.refuse(name, f"an angle of {math.degrees(largest):.3g} degrees at most{hint}", bound)
     return found
+
+
+def _mounted(what: StreamKind, kind: str, table: Table) -> dict[str, Any]:
+    """Return the keys of what sensors measure; positions are the robot's own as yet."""
+    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind == "compass" else []
+    return {key: table.text_or(key, "the name of one in [team.sensors]", "") for key in keys}
 
 
 def _further(kind: str, table: Table) -> dict[str, Any]:

@@ -7,6 +7,9 @@ whole numbers. Any real number will do (an int, a Fraction, a Decimal, one of nu
 
 Robots are numbered 0, 1, ..., n - 1; a target is a robot or, from n on, a landmark (see `Team`). The true error is within
 +- bound, always: a bound is a promise, not a deviation.
+
+A sensor is one of the team's, by its number: what it measures is as seen from where it is mounted. Whatever robot measures, its
+sensor of that number did; of a tag it is the robot that was measured. -1 is at the robot's centre, and looks forward.
 """
 
 from collections.abc import Iterable
@@ -19,7 +22,11 @@ from filter.arrays import Array, Floats, Integers, checked, finite, instance, nu
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import BY_HAND, Polygon
-from filter.records.record import BELOW_1, BELOW_90_DEGREES, ROBOT, TARGET, TIME, Record
+from filter.records.record import BELOW_1, BELOW_90_DEGREES, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
+
+
+def _centre() -> Integers:
+    return CENTRE
 
 
 class _Sighting(Record):
@@ -43,30 +50,34 @@ class Compass(Record):
     Attributes:
         time: When [s].
         robot: (k,) who measured.
-        heading: (k,) measured yaw, counter-clockwise from +x [rad].
+        heading: (k,) measured yaw of the sensor, counter-clockwise from +x [rad].
         bound: (k,) largest error, in [0, pi] [rad].
+        sensor: (k,) which sensor of the robot measured.
     """
 
     time: float = field(metadata=TIME)
     robot: Integers = field(metadata=ROBOT)
     heading: Array = field(metadata=checked(finite, "heading [rad]"))
     bound: Array = field(metadata=checked(finite, "compass bound [rad]", 0, np.pi))
+    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
 
     if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
 
-        def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats) -> None: ...
+        def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats, sensor: Floats = ...) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
 class Bearing(_Sighting):
-    """Directions to targets in the measuring robot's own frame.
+    """Directions to targets in the measuring robot's, or sensor's, own frame.
 
     Attributes:
         time: When [s].
         robot: (k,) who measured.
         target: (k,) robot or landmark that was seen, not itself.
-        bearing: (k,) measured angle from the robot's forward axis, counter-clockwise [rad].
+        bearing: (k,) measured angle from the sensor's forward axis, counter-clockwise [rad].
         bound: (k,) largest error, in [0, pi/2) [rad].
+        sensor: (k,) which sensor of the robot measured.
+        target_sensor: (k,) which sensor, or tag, of a robot was seen.
     """
 
     time: float = field(metadata=TIME)
@@ -74,10 +85,21 @@ class Bearing(_Sighting):
     target: Integers = field(metadata=TARGET)
     bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
     bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, BELOW_90_DEGREES))
+    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
+    target_sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
 
     if TYPE_CHECKING:
 
-        def __init__(self, time: float, robot: Floats, target: Floats, bearing: Floats, bound: Floats) -> None: ...
+        def __init__(
+            self,
+            time: float,
+            robot: Floats,
+            target: Floats,
+            bearing: Floats,
+            bound: Floats,
+            sensor: Floats = ...,
+            target_sensor: Floats = ...,
+        ) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +113,8 @@ class Range(_Sighting):
         range: (k,) measured distance, from 0 on [m].
         bound: (k,) largest absolute error, from 0 on [m].
         relative_bound: (k,) largest relative error, in [0, 1).
+        sensor: (k,) which sensor of the robot measured.
+        target_sensor: (k,) which sensor, or tag, of a robot was measured.
     """
 
     time: float = field(metadata=TIME)
@@ -99,11 +123,21 @@ class Range(_Sighting):
     range: Array = field(metadata=checked(finite, "range [m]", 0))
     bound: Array = field(metadata=checked(finite, "range bound [m]", 0))
     relative_bound: Array = field(metadata=checked(finite, "relative range bound", 0, BELOW_1))
+    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
+    target_sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
 
     if TYPE_CHECKING:
 
         def __init__(
-            self, time: float, robot: Floats, target: Floats, range: Floats, bound: Floats, relative_bound: Floats
+            self,
+            time: float,
+            robot: Floats,
+            target: Floats,
+            range: Floats,
+            bound: Floats,
+            relative_bound: Floats,
+            sensor: Floats = ...,
+            target_sensor: Floats = ...,
         ) -> None: ...
 
     def interval(self) -> tuple[Array, Array]:
@@ -154,7 +188,7 @@ class Position(Record):
     @classmethod
     def fix(cls, time: float, robot: int, position: Floats, bound: Floats) -> Self:
         """Return that a robot is within +- bound, one number or one for each axis, of a position (2,) [m], in x and in y."""
-        middle, half = _place("position [m]", position), finite("bound of a position [m]", bound, 0)
+        middle, half = place("position [m]", position), finite("bound of a position [m]", bound, 0)
         if half.shape not in ((), (2,)):
             raise InvalidInput("bound of a position [m]: one number, or one for x and one for y", shown(bound))
         lower, upper = (np.nextafter(middle + sign * half, sign * np.inf) for sign in (-1, 1))
@@ -163,7 +197,7 @@ class Position(Record):
     @classmethod
     def disc(cls, time: float, robot: int, centre: Floats, radius: float, sides: int = 32) -> Self:
         """Return that a robot is no farther from a place (2,) than a radius [m], by so many tangents, from 3 to 1000."""
-        middle, reach = _place("centre [m]", centre), number("radius [m]", radius, 0)
+        middle, reach = place("centre [m]", centre), number("radius [m]", radius, 0)
         angle = 2 * np.pi * np.arange(count := whole_number("sides", sides, 3, 1000)) / count
         x, y = np.cos(angle), np.sin(angle)
         rounding = 8 * EPSILON * (np.abs(middle).sum() + reach)
@@ -172,7 +206,7 @@ class Position(Record):
     @classmethod
     def half_plane(cls, time: float, robot: int, normal: Floats, offset: float) -> Self:
         """Return that normal . x <= offset of a robot's position [m], for a normal (2,) of any length but 0."""
-        across, beyond = _place("normal", normal), number("offset [m]", offset)
+        across, beyond = place("normal", normal), number("offset [m]", offset)
         length = float(np.hypot(*across))
         if not length:
             raise InvalidInput("a normal with a direction", shown(normal))
@@ -182,13 +216,6 @@ class Position(Record):
 
 Measurement = Compass | Bearing | Range | Position
 MEASUREMENTS = (Compass, Bearing, Range, Position)
-
-
-def _place(name: str, values: Floats) -> Array:
-    place = finite(name, values)
-    if place.shape != (2,):
-        raise InvalidInput(f"{name}: two coordinates", shown(values))
-    return place
 
 
 def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:

@@ -5,11 +5,20 @@ from typing import Any, Self
 
 import numpy as np
 
-from filter.arrays import Frozen, checked, number, read_only, settle, whole
+from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, number, read_only, settle, shown, whole
 from filter.errors import InvalidInput
 
+AT_THE_CENTRE = -1  # the number of a sensor that is at its robot's centre and looks forward
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
+CENTRE = read_only(np.full(1, AT_THE_CENTRE))  # the column of sensors where nothing is said
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
+
+
+def _numbers(name: str, values: Floats) -> Integers:
+    return CENTRE if values is CENTRE else whole(name, values, AT_THE_CENTRE)
+
+
+SENSOR = checked(_numbers, "sensor")
 
 
 class Record(Frozen):
@@ -38,3 +47,11 @@ class Record(Frozen):
 def field_names(record: Any) -> list[str]:
     """Return the names of a record's columns, its times left out."""
     return [each.name for each in fields(record) if each.name not in ("start", "time")]
+
+
+def place(name: str, values: Floats) -> Array:
+    """Return two coordinates (2,), finite; raises `InvalidInput` unless they are."""
+    coordinates = finite(name, values)
+    if coordinates.shape != (2,):
+        raise InvalidInput(f"{name}: two coordinates", shown(values))
+    return coordinates

@@ -15,6 +15,7 @@ from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
 from filter.records.measurements import Bearing, Compass, Measurement, Range
 from filter.records.odometry import Odometry
+from filter.records.record import AT_THE_CENTRE
 from filter.robust.belief import RobustBelief
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
@@ -124,11 +125,12 @@ def sightings_in(measurements: Sequence[Measurement], robots: int) -> list[Sight
     """Return the sightings in records of one time: compasses first, then landmarks, then team mates.
 
     The n-th bearing of a pair goes with its n-th range. In which order the records come makes no difference, but to that.
-    Raises `InvalidInput` for records of other kinds.
+    Raises `InvalidInput` for records of other kinds, and of sensors that are mounted elsewhere.
     """
     bearings: dict[tuple[int, int], list[list[float]]] = defaultdict(list)
     ranges: dict[tuple[int, int], list[list[float]]] = defaultdict(list)
     for record in measurements:
+        _at_centres(record)
         if isinstance(record, Compass):
             into, target, reading = bearings, record.robot, (record.heading, record.bound)
         elif isinstance(record, Bearing):
@@ -149,3 +151,13 @@ def sightings_in(measurements: Sequence[Measurement], robots: int) -> list[Sight
             for bearing, reach in zip_longest(bearings[pair], ranges[pair])
         )
     ]
+
+
+def _at_centres(record: Measurement) -> None:
+    """Refuse what was measured by sensors that are not at their robots' centres."""
+    for name in ("sensor", "target_sensor"):
+        numbers = np.atleast_1d(getattr(record, name, AT_THE_CENTRE))
+        if (numbers != AT_THE_CENTRE).any():
+            raise InvalidInput(
+                "readings at robots' centres, as the robust filter knows no mountings", f"{name} {numbers.max()}"
+            )

@@ -7,11 +7,12 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, Mask, read_only
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON
+from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.many import Polygons, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.sources import Sources
+from filter.sensing.arms import Arms
 from filter.sensing.branch import FEW_EDGES, Tree, branch
 from filter.sensing.cell import Said
 from filter.sensing.readings import Readings
@@ -26,24 +27,30 @@ class Told(Frozen):
     """Readings as whoever they concern is told of them: those of mates twice, once as the other one's.
 
     Attributes:
-        robot: (m,) who is told; sorted, and the rest by the target, bearings before ranges.
+        robot: (m,) who is told; sorted, and the rest by the target and between which sensors, bearings before ranges.
         target: (m,) of what.
+        reading: (m,) by which one, bearings before ranges.
+        begins: (m,) whether it is the first one of its target and sensors.
         sector: (m, 4) see `cell`.
         own: (m,) whether the bearing is from the robot's own heading.
         headings: (n) before [rad].
         spacing: Greatest angle between two tangents of a range's far side [rad].
+        arms: Of the readings; None if all are taken at the centres of robots.
     """
 
     robot: Integers
     target: Integers
+    reading: Integers
+    begins: Mask
     sector: Array
     own: Mask
     headings: AngularIntervals
     spacing: float
+    arms: Arms | None = None
 
     @classmethod
-    def of(cls, readings: Readings, headings: AngularIntervals, spacing: float) -> "Told":
-        """Return what readings say, given the (n) headings [rad]."""
+    def of(cls, readings: Readings, headings: AngularIntervals, spacing: float, arms: Arms | None = None) -> "Told":
+        """Return what readings say, given the (n) headings [rad], and the ways from the places of sensors to the centres."""
         bearings, ranges = readings.bearings, readings.ranges
         count, robots = len(bearings.robot), len(headings)
         ways = world_arcs(bearings, headings[bearings.robot]).turned(np.pi)
@@ -56,18 +63,32 @@ class Told(Frozen):
         target = np.concatenate([bearings.target, bearings.robot, ranges.target, ranges.robot])
         own = np.arange(len(robot)) < count
         sector = np.concatenate([of_bearings, back, of_ranges, of_ranges])
-        is_range = np.arange(len(robot)) >= 2 * count
-        order = np.lexsort((is_range, target, robot))
+        told = bearings, bearings, ranges, ranges
+        reading = np.concatenate(
+            [begin + np.arange(len(each.robot)) for each, begin in zip(told, (0, 0, count, count), strict=True)]
+        )
+        spots = np.concatenate([np.broadcast_to(readings.spots(each)[0], len(each.robot)) for each in told])
+        order = np.lexsort((reading >= count, spots, target, robot))
         order = order[robot[order] < robots]
-        return cls(robot[order], target[order], sector[order], own[order], headings, max(spacing, FINEST_TANGENTS))
+        begins = (np.diff(np.stack([robot, target, spots])[:, order], prepend=-1) != 0).any(axis=0)
+        which = robot[order], target[order], reading[order], begins, sector[order], own[order]
+        return cls(*which, headings, max(spacing, FINEST_TANGENTS), arms)
 
     def said(self, robot: int, bodies: Mapping[int, Array]) -> Said:
         """Return what was said of one robot, where bodies are sets, hulls of points (p, 2) [m]."""
         begin, end = np.searchsorted(self.robot, [robot, robot + 1])
-        targets, first = np.unique(self.target[begin:end], return_index=True)
-        points = [bodies[target] for target in targets.tolist()]
+        first = np.flatnonzero(self.begins[begin:end])
+        points = [self._points(place, bodies) for place in (begin + first).tolist()]
         each, first = np.cumsum([0, *map(len, points)]), np.append(first, end - begin)
         return Said(self.sector[begin:end], self.own[begin:end], first, np.concatenate(points), each, self.spacing)
+
+    def _points(self, place: int, bodies: Mapping[int, Array]) -> Array:
+        """Return where the target would be, seen from the centre of the robot that is told, as its sensor sees it."""
+        points, reading = bodies[int(self.target[place])], int(self.reading[place])
+        if self.arms is None:
+            return points
+        apart = self.arms.seen(reading, bool(self.arms.robot[reading] != self.robot[place]))
+        return hull_of((points[:, None] + apart).reshape(-1, 2))
 
 
 class Places:

@@ -51,6 +51,14 @@ class Displacements(Frozen):
         return constraints.shifted(own)
 
     @property
+    def discs(self) -> tuple[Array, Array, Array]:
+        """Centres (n, 2) and radii (n,) of discs around the sets, and the size (n,) of the numbers, for their rounding [m]."""
+        middle = (self.vertices.min(axis=1) + self.vertices.max(axis=1)) / 2
+        away = self.vertices - middle[:, None]
+        radius = np.hypot(away[..., 0], away[..., 1]).max(axis=1) + self.slip
+        return middle, radius, np.abs(middle).sum(axis=1) + radius
+
+    @property
     def normals(self) -> Array:
         """(n, CORNERS, 2) outward normals of the edges of the hulls of the vertices; NaN where there are fewer."""
         return _normals(self.vertices)

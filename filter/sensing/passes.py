@@ -16,8 +16,10 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
+from filter.sensing.arms import Arms
 from filter.sensing.cells import ByCases, Places, Told, by_cases
-from filter.sensing.headings import headings_at, narrowed_headings
+from filter.sensing.headings import narrowed_headings
+from filter.sensing.looks import BEARINGS, RANGES, Look, narrowed_by_bearings
 from filter.sensing.readings import Readings
 from filter.sensing.rows import as_of_now, bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
@@ -37,7 +39,6 @@ NEW, SOON, SOON_HEADING = 0.7, 0.03, 0.1
 # They and another round are worth it for this share of all robots, by number or area, and while regions become smaller by it.
 WORTH_IT = 0.03
 SMALLEST_BAND = 1e-12  # what is divided by is never smaller [m]
-BEARINGS, RANGES = 1, 2  # places of these kinds among `Readings`
 NO_ROBOTS = np.zeros(0, dtype=np.int64)
 
 
@@ -53,6 +54,7 @@ class Directions(Frozen):
         headings: (n) after it [rad].
         arcs: (r) the directions of ranges [rad].
         moves: Where robots have gone since the readings; None if these are of one instant.
+        arms: From the places of sensors to the centres of robots; None if all readings are taken at centres.
     """
 
     readings: Readings
@@ -62,6 +64,7 @@ class Directions(Frozen):
     headings: AngularIntervals
     arcs: AngularIntervals
     moves: Moves | None = None
+    arms: Arms | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +127,13 @@ class Merger(Frozen):
     def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, list[Directions]]:
         """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
         known, before, passes = self.polytope, np.full(0, np.inf), list[Directions]()
+        arms = Look.of_compasses(self.headings, self.readings).arms if self.readings.mountings is not None else None
         for _ in range(PASSES if self.cells else 1):
-            merged, read = self._pass(known)
+            merged, read = self._pass(known, arms)
             passes.append(read)
             if not self._may_gain(merged, read) or is_over():
                 break
-            known = boxed_at_a_glance(replace(merged, lower=known.lower, upper=known.upper))
+            known, arms = boxed_at_a_glance(replace(merged, lower=known.lower, upper=known.upper)), read.arms
             now = np.concatenate([(known.upper - known.lower).sum(axis=1), read.headings.bound])
             if len(before) and (now >= GAIN * before).all():
                 break
@@ -166,7 +170,7 @@ class Merger(Frozen):
         """Return what is merged into what cells leave of some robots' poses, and why."""
         nothing = AngularIntervals.circles(len(self.readings.bearings.robot))
         headings = narrowed_headings(self.headings, self.readings, nothing)
-        told = Told.of(self.readings, headings, self.spacing)
+        told = Told.of(self.readings, headings, self.spacing, Arms.of(self.readings, headings, len(headings)))
         places = Places(self.polytope, told, robots, self.landmarks)
         numbers, cases, rows = self.numbers[len(self.numbers) - len(headings) :], list[ByCases](), [self.polytope.constraints]
         for robot in robots.tolist():
@@ -185,60 +189,46 @@ class Merger(Frozen):
         known = self.polytope.with_constraints(Constraints.concatenate(rows))
         return replace(self, polytope=known, headings=headings), cases
 
-    def _pass(self, known: Polytope) -> tuple[Polytope, Directions]:
-        """Return the polytope with rows, from what is known of the team, and what of that was read.
+    def _pass(self, known: Polytope, arms: Arms | None) -> tuple[Polytope, Directions]:
+        """Return the polytope with rows, from what is known of the team and of sensors' places, and what of that was read.
 
         The directions that an earlier pass has made narrow are rows as well: the tangents of an arc do not bound its sides.
         """
         bearings, ranges, count = self.readings.bearings, self.readings.ranges, len(self.readings.bearings.robot)
-        headings, looks, moves = self._looks(known)
-        ways = world_arcs(bearings, looks)
-        of_bearings = self._on_robots(bearing_rows(bearings.robot, bearings.target, ways, self.numbers[:count]), moves)
+        look = Look.of(self.headings, self.readings, self._spans(known, BEARINGS, (self.readings.moves, arms)))
+        ways = world_arcs(bearings, look.sights)
+        of_bearings = self._on_robots(bearing_rows(bearings.robot, bearings.target, ways, self.numbers[:count]), look)
         seen = known.with_constraints(Constraints.concatenate([known.constraints, of_bearings]))
-        arcs = self._with_bearings(self._spans(seen, RANGES, moves), ways)
+        spans, bodies = self._spans(seen, RANGES, (look.moves, look.arms)), len(self.headings) + len(self.landmarks)
+        arcs = narrowed_by_bearings(spans, ways, self.readings, bodies)
         numbers = self.numbers[count : count + len(ranges.robot)]
-        rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing), moves)]
+        rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing), look)]
         if known is not self.polytope:
-            rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), moves))
+            rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), look))
         merged = self.polytope.with_constraints(Constraints.concatenate(rows))
-        return merged, Directions(self.readings, self.sources, known, seen, headings, arcs, moves)
+        return merged, Directions(self.readings, self.sources, known, seen, look.headings, arcs, look.moves, look.arms)
 
-    def _looks(self, known: Polytope) -> tuple[AngularIntervals, AngularIntervals, Moves | None]:
-        """Return the headings (n), those of bearings when these were taken (b), and where robots have gone since, if so."""
-        bearings, since, robots = self.readings.bearings, self.readings.since, len(self.headings)
-        if since is None:
-            spans = self._spans(known, BEARINGS, None)
-            headings = narrowed_headings(self.headings, self.readings, spans)
-            return headings, headings[bearings.robot], None
-        spans = self._spans(known, BEARINGS, self.readings.moves)
-        looks = headings_at(since, self.readings, spans)
-        return looks[-robots:], looks[(self.readings.at[BEARINGS] + 1) * robots + bearings.robot], since.moves(looks)
+    def _spans(
+        self, known: Polytope, kind: int, apart: tuple[Moves | None, Arms | None], some: Integers | None = None
+    ) -> AngularIntervals:
+        """Return the directions of targets as readings of a kind saw them, of all or of some (see `spans_of_targets`).
 
-    def _spans(self, known: Polytope, kind: int, moves: Moves | None, some: Integers | None = None) -> AngularIntervals:
-        """Return the directions of targets when readings of a kind were taken, of all or of some (see `spans_of_targets`)."""
-        record, at = self.readings.bearings if kind == BEARINGS else self.readings.ranges, self.readings.at[kind]
+        What lies between their places and where robots are now are moves and arms, as in `Look`.
+        """
+        bearings, (moves, arms) = self.readings.bearings, apart
+        record, at = bearings if kind == BEARINGS else self.readings.ranges, self.readings.at[kind]
         which = np.arange(len(at)) if some is None else some
         robot, target = record.robot[which], record.target[which]
         moved = None if moves is None else moves.between(robot, target, at[which])
+        if arms is not None:
+            by, radius = arms.between(which if kind == BEARINGS else len(bearings.robot) + which)
+            moved = (by, radius) if moved is None else (moved[0] + by, moved[1] + radius)
         return spans_of_targets(known, self.landmarks, robot, target, moved)
 
-    def _on_robots(self, rows: Constraints, moves: Moves | None) -> Constraints:
-        then = on_robots(rows, self.polytope, self.landmarks)
-        return as_of_now(then, self.readings, moves, int(self.numbers[0]))
-
-    def _with_bearings(self, spans: AngularIntervals, ways: AngularIntervals) -> AngularIntervals:
-        """Return the directions of the ranges' targets, narrowed by (b) directions of bearings of the same two, from either."""
-        bearings, ranges, bodies = self.readings.bearings, self.readings.ranges, len(self.headings) + len(self.landmarks)
-        if not len(bearings.robot) or not len(ranges.robot):
-            return spans
-        keys = [
-            (at * bodies + np.minimum(each.robot, each.target)) * bodies + np.maximum(each.robot, each.target)
-            for each, at in ((bearings, self.readings.at[BEARINGS]), (ranges, self.readings.at[RANGES]))
-        ]
-        order = np.argsort(keys[0], kind="stable")
-        turned = [np.where(each.robot > each.target, np.pi, 0.0) for each in (bearings, ranges)]
-        begin, end = (np.searchsorted(keys[0][order], keys[1], side) for side in ("left", "right"))
-        return spans.turned(turned[1]).narrowed(begin, end, ways.turned(turned[0])[order]).turned(turned[1])
+    def _on_robots(self, rows: Constraints, look: Look) -> Constraints:
+        then, first = on_robots(rows, self.polytope, self.landmarks), int(self.numbers[0])
+        centred = then if look.arms is None else look.arms.moved(then, then.source - first)
+        return as_of_now(centred, self.readings, look.moves, first)
 
     def _may_gain(self, merged: Polytope, read: Directions) -> bool:
         """Return whether some direction is wide for its range, or some bearing would narrow a heading now."""
@@ -249,7 +239,7 @@ class Merger(Frozen):
         bearings = self.readings.bearings
         left = LEFT_OF_A_HEADING * read.headings.bound[bearings.robot] - bearings.bound
         some = np.flatnonzero(left > 0)
-        spans = self._spans(merged, BEARINGS, read.moves, some)
+        spans = self._spans(merged, BEARINGS, (read.moves, read.arms), some)
         return bool((spans.bound < left[some]).any())
 
 

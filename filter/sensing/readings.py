@@ -8,11 +8,12 @@ import numpy as np
 from filter.arrays import Array, Integers, read_only
 from filter.linear.sources import NOBODY, Kind, Source, Sources
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
-from filter.records.record import field_names
+from filter.records.record import AT_THE_CENTRE, field_names
+from filter.records.sensors import Mountings
 from filter.sensing.since import Moves, Since
 
 KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range", Position: "position"}
-WHO = ("robot", "target")
+WHO = ("robot", "target", "sensor", "target_sensor")
 AT = "at"  # the column of instants
 NO_VALUES = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
 
@@ -30,6 +31,7 @@ class Readings(NamedTuple):
         at: Of which instant each is, for each of the four kinds; zeros if there is but one.
         since: How robots have moved from one instant to the next; None if there is but one.
         moves: Where they have gone, as compasses and odometry alone tell; None if there is but one.
+        mountings: Of sensors that bearings or ranges are measured by; None if all of them are at the centres of robots.
     """
 
     compasses: Compass
@@ -39,15 +41,30 @@ class Readings(NamedTuple):
     at: tuple[Integers, Integers, Integers, Integers]
     since: Since | None = None
     moves: Moves | None = None
+    mountings: Mountings | None = None
 
     @classmethod
-    def of(cls, time: float, measurements: Sequence[Measurement], since: Since | None = None) -> "Readings":
-        """Return measurements that were taken at one time [s], or at instants up to it."""
+    def of(
+        cls,
+        time: float,
+        measurements: Sequence[Measurement],
+        since: Since | None = None,
+        mountings: Mountings | None = None,
+    ) -> "Readings":
+        """Return measurements that were taken at one time [s], or at instants up to it.
+
+        Compasses and bearings of sensors that do not look forward are turned, and made wider, to be as of robots' forward axes.
+        """
         stamps = np.array([time]) if since is None else since.stamps
         found = [_sorted(kind, time, measurements, stamps) for kind in KIND_OF]
         compasses, bearings, ranges, positions = (record for record, _ in found)
         first, second, third, fourth = (at for _, at in found)
-        return cls(compasses, bearings, ranges, positions, (first, second, third, fourth), since)
+        at = (first, second, third, fourth)
+        if mountings is None:
+            return cls(compasses, bearings, ranges, positions, at, since)
+        compasses, bearings = (_looking_forward(record, mountings) for record in (compasses, bearings))
+        off = any(mountings.spot[column].any() for each in (bearings, ranges) for column in (each.sensor, each.target_sensor))
+        return cls(compasses, bearings, ranges, positions, at, since, None, mountings if off else None)
 
     @property
     def records(self) -> tuple[Measurement, ...]:
@@ -67,6 +84,18 @@ class Readings(NamedTuple):
             sources, _ = sources.extended(KIND_OF[type(record)], time, record.robot, targets_of(record))
         sources, _ = sources.extended("cells", self.ranges.time, np.arange(robots))
         return sources, np.arange(first, len(sources))
+
+    def spots(self, record: Bearing | Range) -> tuple[Integers | int, int]:
+        """Return numbers (k,) for the places of sensors between which bearings or ranges are measured, and how many there are.
+
+        Those of the body with the lower number count first.
+        """
+        if self.mountings is None:
+            return 0, 1
+        spots, forth = self.mountings.spot, record.robot < record.target
+        first = spots[np.where(forth, record.sensor, record.target_sensor)]
+        last, count = spots[np.where(forth, record.target_sensor, record.sensor)], len(spots)
+        return first * count + last, count**2
 
     def tie_robots(self, robots: int) -> bool:
         """Return whether one of n robots measured another."""
@@ -92,6 +121,16 @@ def _sorted(kind: type[Measurement], time: float, measurements: Sequence[Measure
     columns = _columns(kind, [each for each in measurements if isinstance(each, kind)], stamps)
     at = columns.pop(AT)
     return kind.of_checked(time, columns), read_only(at)
+
+
+def _looking_forward(record: Any, mountings: Mountings) -> Any:
+    """Return compasses or bearings of sensors as those of robots' forward axes."""
+    if (record.sensor == AT_THE_CENTRE).all():
+        return record
+    angle, bound = mountings.angle[record.sensor], record.bound + mountings.angle_bound[record.sensor]
+    name, sign = ("heading", -1.0) if isinstance(record, Compass) else ("bearing", 1.0)
+    columns = {each: getattr(record, each) for each in field_names(record)}
+    return type(record).of_checked(record.time, columns | {name: columns[name] + sign * angle, "bound": bound})
 
 
 def _columns(kind: type[Measurement], records: Sequence[Any], stamps: Array) -> dict[str, Any]:

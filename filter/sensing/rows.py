@@ -114,8 +114,9 @@ def spans_of_targets(
 ) -> AngularIntervals:
     """Return (k) arcs that contain the directions from robots to targets, as far as the polytope tells at a glance [rad].
 
-    If robots have moved since, the way from one to the other is now another one by (k, 2), up to (k,) [m]. Rows that exclude
-    one another say nothing here: to find that out, and the causes, is for the search that follows.
+    If these are of other places, where robots were or their sensors are, the way from one to the other of which the polytope
+    tells is another one by (k, 2), up to (k,) [m]. Rows that exclude one another say nothing here: to find that out, and the
+    causes, is for the search that follows.
     """
     if not len(robot):
         return AngularIntervals.circles(0)
@@ -134,7 +135,7 @@ def spans_of_targets(
 def _spans_then(
     polytope: Polytope, landmarks: Array, who: tuple[Integers, Integers], moved: tuple[Array, Array]
 ) -> AngularIntervals:
-    """Return the same where robots have moved since."""
+    """Return the same of other places."""
     (robot, target), (by, radius), robots = who, moved, len(polytope.lower)
     fixed, mutual = np.flatnonzero(target >= robots), np.flatnonzero(target < robots)
     spans = AngularIntervals.circles(len(robot))

@@ -93,11 +93,7 @@ class Moves(Frozen):
     @cached_property
     def discs(self) -> tuple[Array, Array]:
         """Centres (s n + n, 2) and radii (s n + n,) of discs around displacements since the beginning and each instant [m]."""
-        vertices, robots = self.sets.vertices, self.robots
-        middle = (vertices.min(axis=1) + vertices.max(axis=1)) / 2
-        away = vertices - middle[:, None]
-        radius = np.hypot(away[..., 0], away[..., 1]).max(axis=1) + self.sets.slip
-        size = np.abs(middle).sum(axis=1) + radius
+        (middle, radius, size), robots = self.sets.discs, self.robots
         summed = [
             np.concatenate([np.cumsum(each.reshape(-1, robots, width)[::-1], axis=0)[::-1], np.zeros((1, robots, width))])
             for each, width in ((middle, 2), (radius, 1), (size, 1))

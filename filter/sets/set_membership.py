@@ -210,7 +210,7 @@ class SetMembershipFilter(Frozen):
         if belief.guarantee.away:
             frames = [replace(frame, odometry=belief.guarantee.of_those_there(frame.odometry)) for frame in frames]
         since = Since.of(self.team, belief.headings, belief.time, frames)
-        readings = Readings.of(time, records, since)
+        readings = Readings.of(time, records, since, self.team.mountings)
         is_over = self.budget.begin() if self.budget else never
         try:
             looks, moves = looks_at_a_glance(since, readings)
@@ -253,10 +253,11 @@ class SetMembershipFilter(Frozen):
         return False
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
-        """Merge and project; while what cells found of robots that measured one another makes regions smaller, once more."""
-        readings = Readings.of(belief.time, measurements)
+        """Merge and project; while what cells found of robots makes regions smaller by what rests on it, once more."""
+        readings = Readings.of(belief.time, measurements, mountings=self.team.mountings)
         found, again = self._round(belief, readings, is_over, NO_ROBOTS)
-        while len(again) and readings.tie_robots(self.team.robots) and not is_over():
+        more = readings.tie_robots(self.team.robots) or readings.mountings is not None  # headings tell where sensors are
+        while len(again) and more and not is_over():
             areas = found.regions.outer.areas
             if not matter(again, areas):
                 break

@@ -3,10 +3,11 @@ from functools import partial
 
 import numpy as np
 import pytest
+from helpers.sensing.mounted import MountedWorld
 from helpers.worlds import World
 from scipy.stats import chi2
 
-from filter import Bearing, Compass, Odometry, Range
+from filter import Bearing, Compass, Odometry, Range, Sensor
 from filter.ekf import UNIFORM, ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals, wrap
@@ -15,6 +16,7 @@ from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 TEAM = Team(3, landmarks=[[4.0, 1.0]], speed_limit=0.5, turn_rate_limit=1.0)
+SENSORS = Sensor("camera", [0.4, -0.1], 0.02, 0.6, 0.03), Sensor("tag", [-0.3, 0.5])
 MEAN = np.array([[0.3, -0.2, 0.7], [2.0, 1.0, -2.9], [-1.0, 2.5, 3.1]])
 STEP = 1e-6  # of finite differences
 SAME = 1e-7  # what they are right to
@@ -82,13 +84,33 @@ def test_an_error_of_direction_moves_a_robot_across_its_way_and_slip_moves_it_an
         Compass(0.0, [0, 2], [0.5, -3.0], 0.05),
         Bearing(0.0, [0, 1, 2, 0], [1, 0, 3, 3], [0.1, 0.2, 0.3, 0.4], 0.05),
         Range(0.0, [0, 1, 2, 1], [1, 2, 3, 3], [2.0, 3.0, 5.0, 2.0], 0.1, 0.05),
+        Compass(0.0, [0, 2], [0.5, -3.0], 0.05, [0, 1]),
+        Bearing(0.0, [0, 1, 2, 0], [1, 0, 3, 3], [0.1, 0.2, 0.3, 0.4], 0.05, [0, 1, 0, -1], [1, 0, -1, -1]),
+        Range(0.0, [0, 1, 2, 1], [1, 2, 3, 3], [2.0, 3.0, 5.0, 2.0], 0.1, 0.05, [-1, 1, 0, 0], [0, 1, -1, -1]),
     ],
     ids=lambda record: type(record).__name__,
 )
 def test_the_jacobian_of_a_measurement_is_that_of_finite_differences(record):
-    kalman = ExtendedKalmanFilter(TEAM)
+    kalman = ExtendedKalmanFilter(replace(TEAM, sensors=SENSORS))
     numeric = differences(lambda state: -kalman._linearised(moved(state), record)[0], 9)
     assert kalman._linearised(belief_at(), record)[1] == pytest.approx(numeric, abs=SAME)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_exact_readings_of_mounted_sensors_are_as_expected(seed):
+    world = MountedWorld(np.random.default_rng(seed), robots=3, bound=0.0, sloppy=0.0)
+    kalman, mean = ExtendedKalmanFilter(world.team), np.column_stack([world.positions, world.headings])
+    for record in world.measure():
+        assert kalman._linearised(belief_at(mean), record)[0] == pytest.approx(0, abs=1e-9)
+
+
+def test_the_bounds_of_mountings_are_added_to_those_of_readings():
+    kalman = ExtendedKalmanFilter(replace(TEAM, sensors=SENSORS), NoiseModel.same(1.0))
+    belief = belief_at(np.array([[2.4, 1.1, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))  # its camera is 1.2 m from the landmark
+    records = Compass(0.0, 0, 0.0, 0.05, 0), Range(0.0, 0, 1, 2.0, 0.1, 0.0, 0, 0), Bearing(0.0, 0, 3, 0.0, 0.05, 0)
+    variances = [kalman._linearised(belief, record)[2] for record in records]
+    expected = [0.05 + 0.03, 0.1 + 2 * 0.02, 0.05 + 0.03 + 0.02 / 1.2]
+    assert np.sqrt(np.concatenate(variances)) == pytest.approx(expected)
 
 
 class Exact:

@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-SENSING = ("rows", "headings", "motion", "since")
+SENSING = ("rows", "headings", "motion", "since", "arms")
 MODULES = (
     "filter/geometry/sector.py",
     *(f"filter/sensing/{name}.py" for name in SENSING),

@@ -12,10 +12,11 @@ from experiments.logs import Header, records
 from experiments.logs.reading.fast import Fast
 from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.strict import Strict
-from filter import Frame, InvalidInput, Odometry, Team
+from filter import Frame, InvalidInput, Odometry, Sensor, Team
 
 MARKS, ARENA = [[0.5, 1.0], [-2.0, 1.5]], [[-6, -6], [6, 6]]
-TEAM = Team(["alice", "bob", "3"], dict(zip(["gate", "door"], MARKS, strict=True)), arena=ARENA)
+SENSORS = [Sensor("camera", [0.1, 0]), Sensor("tag")]
+TEAM = Team(["alice", "bob", "3"], dict(zip(["gate", "door"], MARKS, strict=True)), arena=ARENA, sensors=SENSORS)
 HEADERS = {1: Header(Team(3, MARKS, arena=ARENA), 0.0), 2: Header(TEAM, 0.0)}
 FAST = {version: Fast(header) for version, header in HEADERS.items()}
 STRICT = {version: Strict(header) for version, header in HEADERS.items()}
@@ -82,6 +83,7 @@ def sighted(draw, count):
     return {name: text.strip("[]") if alone else text for name, text in {"robot": str(robots), **told}.items()}
 
 
+SENSOR = st.sampled_from(["0", "1", "null", '"camera"', '"tag"'])
 NAMES = {"robot": ["alice", "bob", "3"], "target": ["alice", "bob", "3"], "landmark": ["gate", "door"]}
 
 
@@ -116,12 +118,18 @@ def second(draw, kind, fields):
         changed[name] = re.sub(r"\d+", lambda number, name=name: f'"{NAMES[name][int(number[0])]}"', fields[name])
     if kind in ("odometry", "twist") and draw(st.booleans()):
         changed["aside"] = draw(numbers(-2 * np.pi, 2 * np.pi))
-    if "bound" in fields and fields["bound"] != "[]" and draw(st.booleans()):
+    if kind in ("compass", "bearing", "range") and draw(st.booleans()):
+        changed["sensor"] = draw(column(SENSOR, fields["robot"].count(",") + (fields["robot"] != "[]")))
+    if "target" in fields and "landmark" not in fields and draw(st.booleans()):
+        changed["target_sensor"] = draw(column(SENSOR, fields["robot"].count(",") + (fields["robot"] != "[]")))
+    alone = not any(value.startswith("[") for name, value in (fields | changed).items() if name not in ("record", "bound"))
+    bound = fields.get("bound", "[]")
+    if bound != "[]" and (draw(st.booleans()) or (alone and bound.startswith("["))):  # alone, a list is a pair
         pair = numbers(-0.5, 0.25), numbers(0.5, 1)
         count = fields["bound"].count(",") + 1 if fields["bound"].startswith("[") else 0
         some = [listed([draw(each) for each in pair]) if draw(st.booleans()) else "0.5" for _ in range(count)]
         changed["bound"] = listed(some) if count else fields["bound"]
-        if not any(fields[name].startswith("[") for name in fields if name not in ("record", "bound")):
+        if alone:
             changed["bound"] = listed([draw(each) for each in pair])
     return changed
 
@@ -215,6 +223,21 @@ LATER = [
         "bound": [[0, 0.5], 0],
         "relative_bound": [0.1, 0],
     },
+    {"record": "compass", "time": 1, "robot": "bob", "heading": 0.25, "bound": 0.1, "sensor": "tag"},
+    {"record": "compass", "time": 1, "robot": [0, 1], "heading": 0.25, "bound": [0.1, 0.2], "sensor": [None, 1]},
+    {"record": "bearing", "time": 1, "robot": 0, "target": "bob", "bearing": 1, "bound": 0.5, "target_sensor": "tag"},
+    {
+        "record": "range",
+        "time": 1,
+        "robot": 0,
+        "target": [1, None],
+        "landmark": [None, 1],
+        "range": 4,
+        "bound": [[0, 0.5], 0],
+        "relative_bound": 0,
+        "sensor": 0,
+        "target_sensor": ["tag", None],
+    },
     {"record": "position", "time": 1, "robot": "bob", "position": [0.1, 1e99], "bound": 0.3},
     {"record": "position", "time": 1, "robot": 0, "position": [0.1, -7], "bound": [0.3, 0]},
     {"record": "truth", "time": 1, "robot": "bob", "position": [0, 1], "heading": None},
@@ -224,6 +247,7 @@ LATER = [
 NUMBERS = [sign + repr(edge) for edge in EDGES for sign in ("", "-")] + ["9" * 400]
 NUMBERS += ["2", "6.5", "-6.5", "3", "1e101", "1e999", "01", "1.", ".5"]
 OTHERS = """
+    "camera" ["camera",null] [null,"tag"]
     true null "1" "a:b" NaN -Infinity [] {} {"a":1} "bob" "gate" "3" ["alice",2] ["door",null] ["bob","bob"] "frame"
     "compass" "range"
 """
@@ -249,7 +273,7 @@ def changes(fields):
         yield from ([*before, *after], [*fields, (name, value)], [*before, (name.upper(), value), *after])
     yield from (
         [*fields, (name, junk)]
-        for name in ("target", "landmark", "positions", "headings", "sigma")
+        for name in ("target", "landmark", "positions", "headings", "sigma", "sensor", "target_sensor")
         for junk in ("0", "null", "[0, 1]")
     )
 

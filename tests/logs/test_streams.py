@@ -1,18 +1,28 @@
 """Logs of version 2: names, limits of single robots, streams at their own rates, whatever a robot can say."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from experiments.logs import FrameEnd, Header, InitialSet, InvalidLog, Joined, LogReader, LogWriter, TruthAt
-from filter import Bearing, Compass, Frame, InvalidInput, Left, Odometry, Polygon, Position, Range, Team, Truth, Twist
+from filter import Bearing, Compass, Frame, InvalidInput, Left, Odometry, Polygon, Position, Range, Sensor, Team, Truth, Twist
 
 MARKS = {"gate": [0.1, 0.2], "door": [1 / 3, -2e-17]}
 ARENA = [[-6, -np.inf], [6, np.inf]]
-NAMED = Team(["alice", "bob", "3"], MARKS, {"alice": 0.7, "bob": 0, "3": 1 / 3}, 1.5, ARENA, acceleration_limit=[1, np.inf, 2])
-PLAIN = Team(3, list(MARKS.values()), arena=ARENA)
+SENSORS = Sensor("camera", [1 / 3, -1e-9], 0.1, -3.0, 1 / 7), Sensor("UWB tag"), Sensor("back", angle=np.pi)
+NAMED = Team(
+    ["alice", "bob", "3"],
+    MARKS,
+    {"alice": 0.7, "bob": 0, "3": 1 / 3},
+    1.5,
+    ARENA,
+    acceleration_limit=[1, np.inf, 2],
+    sensors=SENSORS,
+)
+PLAIN = Team(3, list(MARKS.values()), arena=ARENA, sensors=SENSORS)
 SQUARE = np.array([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]])
 START = [InitialSet(SQUARE), InitialSet(SQUARE + 1 / 3, (0.1, 0.2)), InitialSet()]
 HEADERS = {"named": Header(NAMED, -0.5), "plain": Header(PLAIN, -0.5, 10.0, version=2)}
@@ -29,6 +39,9 @@ def records_of(generator):
         Compass(0.03, [2, 0], generator.normal(size=2), 0.05),
         Bearing(0.1, [0, 1, 2], [1, 3, 4], generator.normal(size=3), 0.1),
         Range(0.1, [1], [4], [3.0], 0.0, 0.02),
+        Compass(0.03, [2, 0], generator.normal(size=2), 0.05, 2),
+        Bearing(0.1, [0, 1, 2], [1, 3, 4], generator.normal(size=3), 0.1, [0, -1, 1], [1, -1, -1]),
+        Range(0.1, [1, 2], [4, 0], [3.0, 1 / 3], 0.0, 0.02, [-1, 1]),
         Range(0.1, [], [], [], [], []),
         Position.fix(0.2, 1, [1 / 3, 4e5], [0.1, 0.3]),
         Position.disc(0.2, 1, [1 / 3, 4e5], 0.1),
@@ -49,6 +62,8 @@ def told(record):
 def _told(value):
     if isinstance(value, np.ndarray):
         return value.dtype, value.shape, value.tobytes()
+    if isinstance(value, tuple):
+        return tuple(map(_told, value))
     return told(value) if hasattr(value, "__dict__") else value
 
 
@@ -224,7 +239,8 @@ HEADS = {
     "a limit of acceleration that is no number": ({"acceleration_limit": True}, "acceleration_limit: a number"),
     "no limit": ({"speed_limit": "gone"}, '"speed_limit"'),
     "a rate of nothing": ({"rate": 0}, "rate: a number above 0"),
-    "something else": ({"sensors": {}}, "header: no further field"),
+    "something else": ({"lights": {}}, "header: no further field"),
+    "a sensor that is none": ({"sensors": {"camera": {"place": [0, 1]}}}, "sensors: camera: no further field"),
 }
 
 
@@ -243,17 +259,16 @@ def test_a_log_needs_no_frames(tmp_path):
 
 
 def test_a_log_of_version_1_takes_what_version_1_has(tmp_path):
-    header, records = Header(PLAIN, -0.5), records_of(np.random.default_rng(3))
+    header, records = Header(replace(PLAIN, sensors=()), -0.5), records_of(np.random.default_rng(3))
+    there = [records[1], *records[4:7], records[10], records[-1]]
     with LogWriter(tmp_path / "log.jsonl", header, START) as log:
         for record in records:
-            if isinstance(record, Compass | Bearing | Range | FrameEnd) or record is records[1]:
+            if record in there:
                 log.append(record)
                 continue
             with pytest.raises(InvalidInput, match="a log of version 2"):
                 log.append(record)
-    assert [type(record) for record in LogReader(tmp_path / "log.jsonl").records()] == [
-        *(type(record) for record in (records[1], *records[4:8], records[-1]))
-    ]
+    assert [*map(type, LogReader(tmp_path / "log.jsonl").records())] == [*map(type, there)]
 
 
 def test_times_of_a_stream_come_as_they_come(log):
@@ -265,4 +280,34 @@ def test_there_are_two_versions():
     with pytest.raises(InvalidInput, match="version 1 or 2; came 3"):
         Header(PLAIN, 0.0, version=3)
     assert Header(NAMED, 0.0).version == 2
-    assert Header(PLAIN, 0.0).version == Header(Team(3), 0.0).version == 1
+    assert Header(replace(PLAIN, sensors=()), 0.0).version == Header(Team(3), 0.0).version == 1
+
+
+def test_a_sensor_that_the_header_does_not_have_is_refused_on_its_line(tmp_path):
+    header = Header(Team(2, [[1.0, 2.0]], arena=ARENA, sensors=[Sensor("camera", [0.2, 0.0])]), 0.0)
+    assert header.version == 2
+    with LogWriter(tmp_path / "log.jsonl", header, START[:2]) as log:
+        log.append(Compass(0.0, 0, 0.1, 0.1, 0))
+        with pytest.raises(InvalidInput, match="a sensor among the header's 1"):
+            log.append(Compass(0.0, 0, 0.1, 0.1, 1))
+    lines = (tmp_path / "log.jsonl").read_text()
+    for wrong, text in (
+        ('"sensor": ["camra"]', "sensor: a name, as camera"),
+        ('"sensor": [2]', "sensor: whole numbers from 0 to 0, or names"),
+        ('"target_sensor": [0]', 'no further field; came "target_sensor"'),
+    ):
+        (tmp_path / "log.jsonl").write_text(lines.replace('"sensor": ["camera"]', wrong))
+        with pytest.raises(InvalidLog, match=f"line 4.*{text}"):
+            list(LogReader(tmp_path / "log.jsonl").records())
+    tag = '{"record": "range", "time": 0.0, "robot": 0, "landmark": 0, "range": 1, "bound": 1, "relative_bound": 0, '
+    (tmp_path / "log.jsonl").write_text(lines + tag + '"target_sensor": "camera"}\n')
+    with pytest.raises(InvalidLog, match=r"line 5.*a target_sensor on a robot"):
+        list(LogReader(tmp_path / "log.jsonl").records())
+    mounted = '"camera": {"position": [0.2, 0.0], "position_bound": 0.0, "angle": 0.0, "angle_bound": 0.0}'
+    for wrong, text in (('"camera": {"positoin": [0.2, 0]}', "no further field"), ('"camera": [0.2, 0]', "an object or null")):
+        (tmp_path / "log.jsonl").write_text(lines.replace(mounted, wrong))
+        with pytest.raises(InvalidLog, match=f"line 1.*{text}"):
+            LogReader(tmp_path / "log.jsonl")
+    (tmp_path / "log.jsonl").write_text(lines.replace(mounted, '"camera": {}'))
+    (sensor,) = LogReader(tmp_path / "log.jsonl").header.team.sensors
+    assert (sensor.name, sensor.position.tolist(), sensor.angle) == ("camera", [0, 0], 0)

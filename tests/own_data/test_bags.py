@@ -230,7 +230,7 @@ def test_arrays_of_a_type_of_ones_own_are_read_by_paths(bag, converted):
     assert 'left out: /tags, my_msgs/msg/Tags, 1 entries: no robot or landmark is called "9"' in told
 
 
-def test_mountings_are_read_and_told_as_a_log_cannot_hold_them(bag, converted):
+def test_mountings_are_read_and_told_as_they_have_no_bounds(bag, converted):
     turn = {"translation": {"x": 0.2, "z": 0.1}, "rotation": turned(1.0)}
     static = {"transforms": [stamped(SECOND, child_frame_id="laser", transform=turn)]}
     static["transforms"][0]["header"]["frame_id"] = "base_link"
@@ -240,8 +240,8 @@ def test_mountings_are_read_and_told_as_a_log_cannot_hold_them(bag, converted):
     assert told.splitlines() == [
         "left out: /chat, std_msgs/msg/String, 1 messages: the settings do not name it",
         "left out: /tf, tf2_msgs/msg/TFMessage, 1 messages: transforms that move are not read",
-        "left out: /tf_static, tf2_msgs/msg/TFMessage, 1 messages: a log cannot hold how sensors are mounted yet: "
-        "base_link to laser: 0.2, 0, 0.1 m, yaw 1 rad",
+        "left out: /tf_static, tf2_msgs/msg/TFMessage, 1 messages: they have no bounds; "
+        "say how sensors are mounted in [team.sensors]: base_link to laser: 0.2, 0, 0.1 m, yaw 1 rad",
     ]
 
 

@@ -56,6 +56,12 @@ def test_settings_that_work(read):
         (OF_BAGS.replace("[10, 10]", "[inf, 10]"), "without open ends"),
         (OF_BAGS.replace("gate =", "a ="), '"a" for both'),
         (OF_BAGS.replace("speed", "ids = { 7 = 'gat' }\nspeed", 1), 'did you mean "gate"'),
+        (
+            OF_BAGS.replace("speed", "sensors = { tag = { position = [1, 0] } }\nspeed", 1),
+            'a key "position_bound", the largest',
+        ),
+        (OF_BAGS.replace("speed", "sensors = { tag = { angle = 90, angle_bound = 0 } }\nspeed", 1), "angle: within a turn"),
+        (OF_BAGS.replace("speed", "sensors = { tag = { place = 1 } }\nspeed", 1), 'came "place"'),
     ],
 )
 def test_a_slip_in_what_is_known_of_the_team_is_told(read, text, told):
@@ -163,6 +169,11 @@ def test_a_robots_own_limit_makes_limits_of_each(read):
     header = read(text).facts.header(0.0)
     assert header["speed_limit"] == {"a": 0.0, "b": 1.0}
     assert header["turn_rate_limit"] == 2.0
+
+
+def test_a_sensor_that_the_team_does_not_have_is_told(read):
+    told = refused(read, of_robots(OF_BAGS, compass=COMPASS + ', sensor = "tag"'))
+    assert 'compass: sensor: a name in [team.sensors]: there is none; came "tag"' in told
 
 
 @pytest.mark.parametrize("example", re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL))

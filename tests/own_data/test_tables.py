@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import math
 import re
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from helpers.own_data.settings_files import OF_TABLES, of_robots
 
 from experiments.convert import main
+from experiments.logs import LogReader
 from experiments.show.command import BAD_INPUT
 
 COMPASS = 'file = "imu.csv", bound = 0.1'
@@ -203,3 +205,24 @@ def test_the_example_for_newcomers_works(converted):
         ("alice", "bob", None, 1.5, [0.0, 0.3]),
         ("bob", "alice", None, 1.5, [0.0, 0.3]),
     ]
+
+
+def test_what_mounted_sensors_measure_is_said_to_be_theirs(converted, tmp_path):
+    camera, tag = "position = [0.2, -0.1], position_bound = 0.01", "angle = 90, angle_bound = 1, unit = 'degrees'"
+    sensors = f"sensors = {{ camera = {{ {camera} }}, tag = {{ {tag} }} }}"
+    head = OF_TABLES.replace("speed_limit", f"{sensors}\nspeed_limit", 1)
+    seen = 'file = "seen.csv", id = "id", bound = 0.1, sensor = "camera", target_sensor = "tag"'
+    settings = of_robots(head, range=seen, compass='file = "way.csv", bound = 0.1, sensor = "tag"')
+    files = {"seen.csv": "t,range,id\n1,2.5,b\n2,3.5,gate\n", "way.csv": "t,heading\n1,0.5\n"}
+    code, records, _ = converted(files, settings)
+    assert code == 0
+    said = [{name: record.get(name) for name in ("record", "sensor", "target_sensor")} for record in records]
+    assert said == [
+        {"record": "compass", "sensor": "tag", "target_sensor": None},
+        {"record": "range", "sensor": "camera", "target_sensor": "tag"},
+        {"record": "range", "sensor": "camera", "target_sensor": None},
+    ]
+    camera, tag = LogReader(tmp_path / "out.jsonl").header.team.sensors
+    assert (camera.name, camera.position.tolist(), camera.position_bound, camera.angle) == ("camera", [0.2, -0.1], 0.01, 0.0)
+    assert (tag.name, tag.angle, tag.angle_bound) == ("tag", pytest.approx(math.pi / 2), pytest.approx(math.pi / 180))
+    assert [each.sensor.tolist() for each in LogReader(tmp_path / "out.jsonl").records()] == [[1], [0], [0]]

@@ -1,4 +1,4 @@
-"""Robots and landmarks as a log calls them: by numbers, and from version 2 on by names."""
+"""Robots, landmarks and sensors as a log calls them: by numbers, and from version 2 on by names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from filter import InvalidInput
 
 @dataclass(frozen=True)
 class Bodies:
-    """The robots, or the landmarks, that a log knows: by numbers from 0 on, and by names.
+    """The robots, the landmarks or the sensors that a log knows: by numbers from 0 on, and by names.
 
     Attributes:
         count: How many.
@@ -46,3 +46,9 @@ def bodies_of(header: Header) -> tuple[Bodies, Bodies]:
     robots, marks = names[: team.robots], names[team.robots :]
     of_robots, of_marks = ({name: number for number, name in enumerate(each)} for each in (robots, marks))
     return Bodies(team.robots, of_robots), Bodies(len(team.landmarks), of_marks)
+
+
+def sensors_of(header: Header) -> Bodies:
+    """Return the sensors of a log."""
+    sensors = header.team.sensors
+    return Bodies(len(sensors), {sensor.name: number for number, sensor in enumerate(sensors)})

@@ -16,9 +16,9 @@ from msgspec import UNSET, DecodeError
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
-from experiments.logs.checks import BELOW_90_DEGREES, LARGEST, field_names, read_only
+from experiments.logs.checks import AT_THE_CENTRE, BELOW_90_DEGREES, LARGEST, field_names, read_only
 from experiments.logs.reading import typed
-from experiments.logs.reading.bodies import Bodies, bodies_of
+from experiments.logs.reading.bodies import Bodies, bodies_of, sensors_of
 from experiments.logs.reading.pairs import without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Record, TruthAt, settled
 from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, Truth, Twist
@@ -36,7 +36,7 @@ class Fast:
     """Reads the usual lines of one log after its initial sets."""
 
     def __init__(self, header: Header) -> None:
-        self._robots, self._marks = bodies_of(header)
+        (self._robots, self._marks), self._sensors = bodies_of(header), sensors_of(header)
         self._everybody = read_only(np.arange(self._robots.count))
         self._make: dict[type[typed.Line], Any] = {
             typed.OdometryLine: self._odometry,
@@ -80,23 +80,42 @@ class Fast:
             raise _Unusual
         return dict(zip(_NAMES[kind], columns, strict=True))
 
-    def _compass(self, time: float, robot: Any, value: Any, bound: Any) -> Compass:
-        robots = self._listed(robot)
-        if isinstance(bound, list) and not self._first:
-            value, bound = _without_pairs(Compass, value, bound, list not in map(type, (robots, value)))
-        return settled(Compass, time=time, **dict(zip(_NAMES[Compass], _columns([robots], [value, bound]), strict=True)))
+    def _compass(self, time: float, robot: Any, value: Any, bound: Any, sensor: Any) -> Compass:
+        return settled(Compass, time=time, **self._measured(Compass, [self._listed(robot)], [value, bound], [sensor]))
 
     def _sighted(
         self, kind: type[Bearing | Range], time: float, robot: Any, value: Any, bound: Any, *rest: Any
     ) -> Bearing | Range:
-        *relative, mate, mark = rest
+        *relative, mate, mark, sensor, tag = rest
         bodies = [self._listed(robot), self._target(mate, mark)]
-        if isinstance(bound, list) and not self._first:
-            value, bound = _without_pairs(kind, value, bound, list not in map(type, (*bodies, value, *relative)))
-        columns = _columns(bodies, [value, bound, *relative])
-        if any(map(eq, columns[0].tolist(), columns[1].tolist())):
+        columns = self._measured(kind, bodies, [value, bound, *relative], [sensor, tag])
+        if any(map(eq, columns["robot"].tolist(), columns["target"].tolist())):
             raise _Unusual
-        return settled(kind, time=time, **dict(zip(_NAMES[kind], columns, strict=True)))
+        if tag is not UNSET and (columns["target_sensor"][columns["target"] >= self._robots.count] != AT_THE_CENTRE).any():
+            raise _Unusual
+        return settled(kind, time=time, **columns)
+
+    def _measured(
+        self, kind: type[Compass | Bearing | Range], bodies: list[Any], values: list[Any], sensors: list[Any]
+    ) -> dict[str, NDArray[Any]]:
+        """Return the columns of a measurement: bodies, values with their bounds, and what sensors are said."""
+        said = [self._mounted(sensor) for sensor in sensors if sensor is not UNSET]
+        if said and self._first:
+            raise _Unusual
+        value, bound, *relative = values
+        if isinstance(bound, list) and not self._first:
+            value, bound = _without_pairs(kind, value, bound, list not in map(type, (*bodies, *said, value, *relative)))
+        columns = _columns([*bodies, *said], [value, bound, *relative])
+        mounted, count = iter(columns[len(bodies) :]), len(columns[0])
+        of_sensors = [_centres(count) if sensor is UNSET else next(mounted) for sensor in sensors]
+        columns = [*columns[: len(bodies)], *columns[len(bodies) + len(said) :], *of_sensors]
+        return dict(zip(_NAMES[kind], columns, strict=True))
+
+    def _mounted(self, sensor: Any) -> Any:
+        """Return a sensor's number, or a list of several ones'; null is at the centre."""
+        if isinstance(sensor, list):
+            return list(map(self._mounted, sensor))
+        return AT_THE_CENTRE if sensor is None else self._body(sensor, self._sensors)
 
     def _fix(self, time: float, robot: Any, position: tuple[float, float], bound: Any) -> Position:
         middle, half = np.array(position), np.array(bound)
@@ -195,6 +214,11 @@ def _columns(bodies: Sequence[Any], values: Sequence[Any]) -> list[NDArray[Any]]
 def _alone(body: int) -> Integers:
     """Return a column of one body; records share it, as nobody can write to it."""
     return read_only(np.array([body]))
+
+
+@lru_cache(1024)
+def _centres(count: int) -> Integers:
+    return read_only(np.full(count, AT_THE_CENTRE))
 
 
 @lru_cache(1024)

@@ -188,6 +188,11 @@ class Fields:
             return self._take(name)
         return Fields(name, self._object(name))
 
+    def objects_by_name(self, name: str) -> dict[str, Fields]:
+        """Take an object of objects."""
+        inside = Fields(name, self._object(name))
+        return {key: Fields(f"{name}: {key}", inside._object(key)) for key in list(inside._fields)}
+
     def _object(self, name: str) -> dict[str, Any]:
         value = self._take(name)
         if not isinstance(value, dict):

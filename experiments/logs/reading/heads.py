@@ -10,7 +10,7 @@ import numpy as np
 from experiments.logs.reading.bodies import Bodies
 from experiments.logs.reading.fields import Fields
 from experiments.logs.records import FIRST, FORMAT, SECOND, Header, InitialSet
-from filter import Array, InvalidInput, Team
+from filter import Array, InvalidInput, Sensor, Team
 
 
 def read_header(record: Fields) -> Header:
@@ -46,12 +46,23 @@ def _first(record: Fields) -> dict[str, Any]:
 
 
 def _second(record: Fields) -> dict[str, Any]:
-    """Return the fields of a team in version 2: with names, with limits of single robots, or with limits of acceleration."""
+    """Return the fields of a team in version 2: with names, limits of single robots or of acceleration, or sensors."""
     robots = record.names("robots") if record.is_a(list, "robots") else record.whole("robots")
     marks = record.points_by_name("landmarks") if record.is_a(dict, "landmarks") else record.points("landmarks")
     limits = {name: record.numbers_by_name(name) for name in ("speed_limit", "turn_rate_limit")}
     known = [name for name in ("acceleration_limit", "turn_acceleration_limit") if record.has(name)]
-    return {"robots": robots, "landmarks": marks, **limits, **{name: record.numbers_by_name(name, np.inf) for name in known}}
+    further = {name: record.numbers_by_name(name, np.inf) for name in known}
+    sensors = record.objects_by_name("sensors") if record.has("sensors") else {}
+    mounted = [_sensor(name, fields) for name, fields in sensors.items()]
+    return {"robots": robots, "landmarks": marks, "sensors": mounted, **limits, **further}
+
+
+def _sensor(name: str, fields: Fields) -> Sensor:
+    """Return how a sensor is mounted; what is not said is 0."""
+    place = fields.pair("position") if fields.has("position") else (0.0, 0.0)
+    numbers = {key: fields.number(key) for key in ("position_bound", "angle", "angle_bound") if fields.has(key)}
+    fields.end()
+    return Sensor(name, place, **numbers)
 
 
 def read_initial(record: Fields, robots: Bodies, known: Collection[int]) -> tuple[int, InitialSet]:

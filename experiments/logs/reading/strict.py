@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from experiments.logs.checks import field_names, read_only
-from experiments.logs.reading.bodies import bodies_of
+from experiments.logs.checks import AT_THE_CENTRE, field_names, read_only
+from experiments.logs.reading.bodies import bodies_of, sensors_of
 from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.heads import read_set
 from experiments.logs.reading.pairs import VALUES, without_pairs
@@ -20,14 +20,15 @@ from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Record, Tr
 from filter import Bearing, Compass, Integers, InvalidInput, Left, Odometry, Polygon, Position, Range, Truth, Twist
 
 ASIDE = "aside"  # a column that need not be there
+SENSORS = ("sensor", "target_sensor")  # neither need these
 
 
 class Strict:
     """Reads any line of one log after its initial sets."""
 
     def __init__(self, header: Header) -> None:
-        self._robots, self._marks = bodies_of(header)
-        self._first = header.version == FIRST
+        (self._robots, self._marks), self._sensors = bodies_of(header), sensors_of(header)
+        self._first, self._team = header.version == FIRST, header.team
         self._readers: dict[str, Callable[[Fields], Record]] = {
             "odometry": self._odometry,
             "compass": partial(self._measured, Compass),
@@ -75,13 +76,25 @@ class Strict:
         columns: dict[str, Any] = {"robot": record.robots(self._robots)}
         if kind is not Compass:
             columns["target"] = self._targets(record)
-        columns |= {name: record.numbers(name) for name in field_names(kind) if name not in (*columns, "bound")}
+        columns |= {name: record.numbers(name) for name in field_names(kind) if name not in (*columns, "bound", *SENSORS)}
+        columns |= self._sensors_in(kind, record)
         if self._first or not record.is_a(list, "bound"):
-            return kind(time, bound=record.numbers("bound"), **columns)
-        bounds = [record.pair("bound", "a number or a pair [low, high]")] if single else record.bounds("bound")
-        values = np.atleast_1d(columns[VALUES[kind]]).tolist()
-        columns[VALUES[kind]], columns["bound"] = without_pairs(kind, values, bounds)
-        return kind(time, **columns)
+            columns["bound"] = record.numbers("bound")
+        else:
+            bounds = [record.pair("bound", "a number or a pair [low, high]")] if single else record.bounds("bound")
+            values = np.atleast_1d(columns[VALUES[kind]]).tolist()
+            columns[VALUES[kind]], columns["bound"] = without_pairs(kind, values, bounds)
+        found = kind(time, **columns)
+        self._team.check(found)
+        return found
+
+    def _sensors_in(self, kind: type[Compass | Bearing | Range], record: Fields) -> dict[str, Integers]:
+        """Return the columns of sensors that are there; null is at the centre."""
+        there = [name for name in SENSORS if name in field_names(kind) and record.has(name) and not self._first]
+        found = {name: record.bodies(name, self._sensors) for name in there}
+        return {
+            name: np.array([AT_THE_CENTRE if each is None else each for each in found[name]], dtype=np.int64) for name in there
+        }
 
     def _even(self, record: Fields, besides: str = "") -> None:
         """Refuse lists of several lengths: from version 2 on one entry is no column of any length."""

@@ -67,6 +67,7 @@ class CompassLine(Line, Generic[Body, Bound], tag="compass"):
     robot: Body | list[Body]
     heading: Number | list[Number]
     bound: HalfTurn | list[Bound]
+    sensor: Body | list[Body | None] | UnsetType | None = UNSET  # from version 2 on
 
 
 class BearingLine(Line, Generic[Body, Bound], tag="bearing"):
@@ -78,6 +79,8 @@ class BearingLine(Line, Generic[Body, Bound], tag="bearing"):
     bound: RightAngle | list[Bound]
     target: Body | list[Body | None] | UnsetType | None = UNSET
     landmark: Body | list[Body | None] | UnsetType | None = UNSET
+    sensor: Body | list[Body | None] | UnsetType | None = UNSET
+    target_sensor: Body | list[Body | None] | UnsetType | None = UNSET
 
 
 class RangeLine(Line, Generic[Body, Bound], tag="range"):
@@ -90,6 +93,8 @@ class RangeLine(Line, Generic[Body, Bound], tag="range"):
     relative_bound: Share | list[Share]
     target: Body | list[Body | None] | UnsetType | None = UNSET
     landmark: Body | list[Body | None] | UnsetType | None = UNSET
+    sensor: Body | list[Body | None] | UnsetType | None = UNSET
+    target_sensor: Body | list[Body | None] | UnsetType | None = UNSET
 
 
 class FixLine(Line, Generic[Body], tag="position"):

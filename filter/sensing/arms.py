@@ -1,0 +1,96 @@
+"""Sensors off their robots' centres: what is said of the places of sensors becomes what is said of the centres.
+
+A sensor that is mounted at m on a robot with heading h is at x + R(h) m. So the centre is away from the sensor by -R(h) m, as
+if the robot had driven so far from there: an arc of displacements, one for each heading, and a slip for how far off the place
+can be. Rows and polygons are moved by it as they are by a motion (`filter.sensing.since`); the narrower the heading, the less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from filter.arrays import Array, Frozen, Integers
+from filter.geometry.angles import AngularIntervals
+from filter.geometry.convex import EPSILON, hull_of
+from filter.linear.constraints import Constraints
+from filter.records.sensors import Mountings
+from filter.sensing.motion import CORNERS, Displacements
+from filter.sensing.readings import Readings
+
+# Where the corners around an arc are, in its half-width from its beginning: at both ends, and where tangents meet; and in how
+# many times its half-width from there these touch it.
+TANGENTS = CORNERS - 2
+PLACES = np.concatenate([[0.0], np.arange(1, 2 * TANGENTS, 2) / TANGENTS, [2.0]])
+TOUCH = np.concatenate([[0.0], np.full(TANGENTS, 1 / TANGENTS), [0.0]])
+SIDES = 8  # of what stands for the disc of a slip
+
+
+@dataclass(frozen=True, eq=False)
+class Arms(Frozen):
+    """For each of k readings, bearings before ranges, the ways from the places of sensors to the centres of their robots.
+
+    Attributes:
+        robot: (k,) who measured.
+        own: (k) from the sensor that measured.
+        others: (k) from the one that was measured; of landmarks there is no way.
+    """
+
+    robot: Integers
+    own: Displacements
+    others: Displacements
+
+    @classmethod
+    def of(cls, readings: Readings, looks: AngularIntervals, robots: int) -> Arms | None:
+        """Return them for n robots' headings (n), or at s instants and before, (s n + n) [rad]; None if all are at centres."""
+        if readings.mountings is None:
+            return None
+        pairs, (_, of_bearings, of_ranges, _) = (readings.bearings, readings.ranges), readings.at
+        names = ("robot", "target", "sensor", "target_sensor")
+        robot, target, sensor, tag = (np.concatenate([getattr(each, name) for each in pairs]) for name in names)
+        first = 0 if readings.since is None else (np.concatenate([of_bearings, of_ranges]) + 1) * robots
+        mate = np.where(target < robots, first + target, 0)  # a landmark has no sensor, hence a way of no length
+        own, others = looks[first + robot], looks[mate]
+        return cls(robot, ways_from(readings.mountings, sensor, own), ways_from(readings.mountings, tag, others))
+
+    def moved(self, rows: Constraints, reading: Integers) -> Constraints:
+        """Return rows on the places of sensors, each of one of (r,) readings, as rows on the centres."""
+        is_own = (rows.j == self.robot[reading])[:, None]
+        towards = np.where(is_own, rows.normal, -rows.normal)
+        return rows.shifted(self.own.support(reading, towards) + self.others.support(reading, -towards))
+
+    def between(self, reading: Integers) -> tuple[Array, Array]:
+        """Return by what (r, 2) the way between the centres is another than the one that is measured, up to what (r,) [m]."""
+        (centre, radius, size), (end, more, further) = self.own.discs, self.others.discs
+        by, doubt = end[reading] - centre[reading], 1e-12 * (size + further)[reading]
+        return by, radius[reading] + more[reading] + doubt
+
+    def seen(self, reading: int, from_other: bool) -> Array:
+        """Return corners (p, 2) around by what the way that is measured is another than that between the centres [m].
+
+        From the other one's point of view it is the opposite.
+        """
+        here, there = self._corners(self.own, reading), self._corners(self.others, reading)
+        apart = (here[:, None] - there).reshape(-1, 2)
+        return hull_of(-apart if from_other else apart)
+
+    def _corners(self, ways: Displacements, reading: int) -> Array:
+        corners, size = ways.vertices[reading], np.abs(ways.vertices[reading]).sum(axis=1).max()
+        if not size and not ways.slip[reading]:
+            return corners[:1]
+        angle = 2 * np.pi * np.arange(SIDES) / SIDES
+        around = np.stack([np.cos(angle), np.sin(angle)], axis=1) / np.cos(np.pi / SIDES)
+        radius = ways.slip[reading] + 16 * EPSILON * (size + ways.slip[reading])
+        return hull_of(np.add(corners[:, None], radius * around).reshape(-1, 2))
+
+
+def ways_from(mountings: Mountings, sensor: Integers, looks: AngularIntervals) -> Displacements:
+    """Return the ways from the places of sensors (k,) to the centres of robots with (k) headings [rad]."""
+    back = -mountings.position[sensor]
+    length = np.hypot(back[:, 0], back[:, 1])
+    ways = looks.turned(np.arctan2(back[:, 1], back[:, 0]))
+    begin, bound = ways.centre[:, None] - ways.bound[:, None], ways.bound[:, None]
+    angle, reach = begin + bound * PLACES, length[:, None] / np.cos(bound * TOUCH)
+    slip = mountings.position_bound[sensor] + 16 * EPSILON * length  # as the angles of corners are rounded, too
+    return Displacements(np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=2), length, slip)

@@ -1,0 +1,115 @@
+"""Teams whose sensors and tags are mounted somewhere on the robots, for the tests: measured from where they really are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from filter import (
+    AngularIntervals,
+    Array,
+    Bearing,
+    Compass,
+    Integers,
+    Measurement,
+    Odometry,
+    Polygon,
+    Range,
+    Sensor,
+    Team,
+    wrap,
+)
+
+
+def turned(by: Array, vectors: Array) -> Array:
+    """Return vectors (k, 2) turned by (k,) angles [rad]."""
+    sine, cosine = np.sin(by), np.cos(by)
+    return np.stack([cosine * vectors[:, 0] - sine * vectors[:, 1], sine * vectors[:, 0] + cosine * vectors[:, 1]], axis=1)
+
+
+@dataclass
+class MountedWorld:
+    """A team that stands, with every error at its bound or within it.
+
+    Attributes:
+        rng: What draws.
+        robots: How many.
+        landmarks: How many.
+        reach: How far sensors are from the centre at most [m].
+        bound: How far they are off at most, in places [m] and in angles [rad].
+        sloppy: Bounds of readings, in angles [rad] and of ranges [m].
+    """
+
+    rng: np.random.Generator
+    robots: int = 2
+    landmarks: int = 3
+    reach: float = 0.5
+    bound: float = 0.01
+    sloppy: float = 0.03
+
+    def __post_init__(self) -> None:
+        rng = self.rng
+        self.positions = rng.uniform(-3, 3, (self.robots, 2))
+        self.headings = wrap(rng.choice([0.0, np.pi, -np.pi / 2, 2.0], self.robots) + rng.uniform(-0.1, 0.1, self.robots))
+        marks = rng.uniform(-4, 4, (self.landmarks, 2))
+        sensors = [self._sensor(name) for name in ("camera", "tag", "compass")]
+        self.team = Team(self.robots, marks, arena=[[-9, -9], [9, 9]], sensors=sensors)
+        off = rng.uniform(-np.pi, np.pi, 3)
+        way = np.array([sensor.position_bound for sensor in sensors])[:, None] * np.stack([np.cos(off), np.sin(off)], axis=1)
+        places = np.array([sensor.position for sensor in sensors]) + way * self.error(3)[:, None]
+        angles = [sensor.angle + sensor.angle_bound * error for sensor, error in zip(sensors, self.error(3), strict=True)]
+        self.places, self.angles = np.vstack([places, np.zeros(2)]), np.append(angles, 0.0)
+
+    def _sensor(self, name: str) -> Sensor:
+        way, far = self.rng.uniform(-np.pi, np.pi), self.rng.choice([0.0, 1.0, self.rng.uniform()])
+        place, angle = self.reach * far * np.array([np.cos(way), np.sin(way)]), self.rng.choice([0.0, self.rng.uniform(-6, 6)])
+        return Sensor(name, place, self.bound * self.rng.choice([0.0, 1.0]), angle, self.bound * self.rng.choice([0.0, 1.0]))
+
+    def error(self, size: int) -> Array:
+        """Return errors in [-1, 1], some of them at an end."""
+        drawn = self.rng.uniform(-1, 1, size)
+        return np.where(self.rng.random(size) < 0.3, np.sign(drawn), drawn)
+
+    def initial(self, reach: float, bound: float) -> tuple[list[Polygon], AngularIntervals]:
+        """Return sets around the robots and their headings, so large [m], [rad]."""
+        middle = self.positions + reach * np.stack([self.error(self.robots), self.error(self.robots)], axis=1)
+        boxes = [Polygon.box(each - reach - 1e-9, each + reach + 1e-9) for each in middle]
+        return boxes, AngularIntervals(self.headings + bound * self.error(self.robots), np.full(self.robots, bound + 1e-9))
+
+    def drive(self, start: float, time: float) -> Odometry:
+        """Drive straight on and then turn, by up to a radian; within the record's bounds."""
+        distance, turn = self.rng.uniform(-0.1, 0.3, self.robots), self.rng.uniform(-1, 1, self.robots)
+        self.positions = self.positions + turned(self.headings, np.stack([distance, np.zeros(self.robots)], axis=1))
+        self.headings = wrap(self.headings + turn)
+        told = distance + 0.01 * self.error(self.robots), turn + 0.01 * self.error(self.robots)
+        robots, half = np.arange(self.robots), 0.01 + 1e-9  # it was not a steady curve: off by half the turn
+        return Odometry(start, time, robots, told[0], half, told[1], half, np.abs(told[1]) / 2 + half, 1e-9)
+
+    def places_of(self, body: Integers, sensor: Integers) -> Array:
+        """Return where sensors (k,) of robots, or landmarks, (k,) really are, (k, 2) [m]."""
+        bodies, headings = np.vstack([self.positions, self.team.landmarks]), np.append(self.headings, [0.0] * self.landmarks)
+        return bodies[body] + turned(headings[body], self.places[sensor])
+
+    def measure(self, time: float = 0.0, bearings: float = 0.7, ranges: float = 0.7, compass: float = 0.5) -> list[Measurement]:
+        """Return what a share of all sensors measures."""
+        rng, bodies = self.rng, self.robots + self.landmarks
+        robot, target = np.divmod(np.arange(self.robots * bodies), bodies)
+        robot, target = robot[robot != target], target[robot != target]
+        found: list[Measurement] = []
+        for kind, share in ((Bearing, bearings), (Range, ranges)):
+            some = rng.random(len(robot)) < share
+            who, whom = robot[some], target[some]
+            sensor = rng.choice([-1, 0, 1], len(who), p=[0.2, 0.5, 0.3])
+            tag = np.where(whom < self.robots, rng.choice([-1, 0, 1], len(who), p=[0.2, 0.5, 0.3]), -1)
+            away = self.places_of(whom, tag) - self.places_of(who, sensor)
+            error, half = self.sloppy * self.error(len(who)), self.sloppy + 1e-9
+            if kind is Bearing:
+                value = np.arctan2(away[:, 1], away[:, 0]) - self.headings[who] - self.angles[sensor] + error
+                found.append(Bearing(time, who, whom, value, half, sensor, tag))
+            else:
+                value = np.maximum(np.hypot(*away.T) + error, 0.0)
+                found.append(Range(time, who, whom, value, half, 0.0, sensor, tag))
+        who = np.flatnonzero(rng.random(self.robots) < compass)
+        shown = wrap(self.headings[who] + self.angles[2] + self.sloppy * self.error(len(who)))
+        return [*found, Compass(time, who, shown, self.sloppy + 1e-9, 2)]

@@ -68,7 +68,8 @@ class Chain:
         Raises:
             Broken: Something does not follow from anything before it.
         """
-        frame = self._begin()
+        with located(f"step {len(self._history)}"):
+            frame = self._begin()
         for place, record in headings:
             with located(place):
                 for line in record["lines"]:

@@ -132,6 +132,21 @@ def test_what_overlaps_or_takes_no_time_is_refused():
             told.add(part_of(record))
 
 
+def test_odometry_that_ends_a_twist_which_was_relied_on_is_refused():
+    """Two seconds of the twist were taken to hold when nobody knew that the robot had long done something else."""
+    still = Piece(*map(Fraction, (1, 0, 0, 0, 0, 0, 0)))
+    for late in (False, True):
+        told = Driven(Limits(Fraction(1), Fraction(1)))
+        told.add(Part(0.0, 5.0, still, steady=True))
+        if late:
+            told.forget(2.0)
+            with pytest.raises(Broken, match=r"from 1\.0 s on, where a twist was taken to hold until 2\.0 s"):
+                told.add(Part(1.0, 3.0, still, steady=False))
+        else:
+            told.add(Part(1.0, 3.0, still, steady=False))
+            assert [piece.distance for piece in told.pieces(0.0, 3.0)] == [Fraction(1, 5), 1]
+
+
 def test_a_cut_without_a_limit_of_acceleration_is_as_wide_as_the_speed_allows():
     limits = Limits(Fraction(2), Fraction(1))
     told, free = Driven(limits), Driven(Limits(Fraction(2), Fraction(1), Fraction(1)))

@@ -211,6 +211,15 @@ def within(records):
     return [line for record in records for line in record["lines"]]
 
 
+@forged("step 0: not as it should be: ValueError: an angle of")
+def odometry_of_many_turns(log):
+    first, *rest = all_of(log, "odometry", robot="alice")
+    for record in rest:
+        log.remove(record)
+    first.update(start=0.0, time=0.001, turn=1e5)
+    log.insert(5, {**first, "start": 0.001, "time": 0.002})
+
+
 @forged("box lies", HEADINGS)
 def boxes_that_moved_a_little_less(records):
     for line in within(records):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import zip_longest
+from math import inf
 
 from experiments.proof.motion import NOTHING, Piece
 from experiments.proof.reading import Broken
@@ -100,23 +102,26 @@ class Driven:
     """What has been told so far of one robot."""
 
     def __init__(self, limits: Limits) -> None:
-        self._limits, self._parts = limits, list[Part]()
+        self._limits, self._parts, self._done = limits, list[Part](), -inf
 
     def add(self, part: Part) -> None:
         """Take in what one more record tells; a robot's next record ends its twists before.
 
         Raises:
-            Broken: It takes no time, or overlaps with other odometry.
+            Broken: It takes no time, overlaps with other odometry, or ends a twist that was taken to hold for longer.
         """
         if not part.start < part.end:
             raise Broken(f"odometry from {part.start} s to {part.end} s, which takes no time")
-        parts = sorted([*self._parts, part], key=lambda one: one.start)
-        self._parts = list(self._ended(parts))
+        at = bisect_right(self._parts, part.start, key=lambda one: one.start)
+        first = max(0, at - 1)
+        self._parts[first : at + 1] = self._ended([*self._parts[first:at], part, *self._parts[at : at + 1]])
 
     def _ended(self, parts: list[Part]) -> Iterator[Part]:
         for one, following in zip_longest(parts, parts[1:]):
             if following is None or one.end <= following.start:
                 yield one
+            elif one.steady and following.start < self._done:
+                raise Broken(f"odometry from {following.start} s on, where a twist was taken to hold until {self._done} s")
             elif one.steady:
                 if following.start > one.start:
                     yield one.until(self._limits, following.start)
@@ -136,5 +141,5 @@ class Driven:
         return [self._limits.unknown(Fraction(end) - Fraction(begin))] if begin < end else []
 
     def forget(self, time: float) -> None:
-        """Forget what ended by a time [s]."""
-        self._parts = [one for one in self._parts if one.end > time]
+        """Forget what ended by a time [s], up to which the rest was relied on."""
+        self._parts, self._done = [one for one in self._parts if one.end > time], time

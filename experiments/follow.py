@@ -18,7 +18,7 @@ import tyro
 from experiments.following.beside import Beside
 from experiments.following.metrics import Metrics, Value
 from experiments.following.scenarios import Scenario, of_log
-from experiments.keeping.files import Poses, Proofs, check_provable
+from experiments.keeping.files import Poses, Proofs
 from experiments.keeping.regions import RegionFiles
 from experiments.keeping.running import Keeper, Running, Told, exit_code
 from experiments.keeping.watched import Watched
@@ -78,7 +78,7 @@ class Options:
     """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
     is suspended from then on."""
     certificates: bool = False
-    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove; for logs of version 1 in lock-step."""
+    """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
     view: bool = False
     """Show the run in a live viewer while it goes on, and record it."""
 
@@ -98,8 +98,6 @@ def run(options: Options) -> int:
     """
     _check(options)
     log = LogReader(options.log)
-    if options.certificates:
-        check_provable(log.header)
     scenario, watching = _watching(options, of_log(log))
     filter_ = filter_of(options, scenario.team)
     folder = _emptied(output_folder(options.out))

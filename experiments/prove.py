@@ -22,14 +22,15 @@ from pathlib import Path
 
 from experiments.proof.chain import Chain
 from experiments.proof.edges import WORLD
-from experiments.proof.log import Frame, Log
+from experiments.proof.given.frame import Frame
+from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Feed, Record, located, parsed, shown
 from experiments.proof.recording.recorded import check_recording
 from experiments.proof.shown import Region, checked_region
 from experiments.proof.told import Told
 
 LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz"
-SUMMARY, TRAJECTORY = "summary.json", "trajectories/r{}_filter.tum"
+SUMMARY, TRAJECTORY = "summary.json", "trajectories/{}_filter.tum"
 RECORDINGS = ("moving_team.rrd", "follow.rrd")  # the first, where a summary does not say which there is, or that there is none
 BAR = 40  # characters
 TRUST = "on trust: "
@@ -44,7 +45,7 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         OSError: There is no such file.
     """
     log = Log(folder)
-    _look_for_files(folder, log.robots)
+    _look_for_files(folder, log.names)
     chain, told, proved, progress = Chain(log), Told(log), list[list[Region]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     for frame in log.frames:
@@ -53,14 +54,14 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         told.add(frame, proved[-1], chain.shown, chain.headings)
     for feed in (headings, lines, regions):
         feed.end()
-    counts = Counter({"certificates": chain.lines, **chain.links}) + _shown(folder, told, log.frames, proved)
+    counts = Counter({"certificates": chain.lines, **chain.links}) + _shown(folder, told, log, proved)
     show("\n")
     return counts
 
 
-def _look_for_files(folder: Path, robots: int) -> None:
+def _look_for_files(folder: Path, robots: Sequence[str]) -> None:
     """Raise if a file is not there, or is of no robot: to be said before the proof, which takes a while."""
-    trajectories = [folder / TRAJECTORY.format(robot) for robot in range(robots)]
+    trajectories = [folder / TRAJECTORY.format(robot) for robot in robots]
     for path in (*(folder / name for name in (HEADINGS, LINES, REGIONS, SUMMARY)), *_recordings(folder), *trajectories):
         path.stat()
     for path in sorted(set(folder.glob(TRAJECTORY.format("*"))) - set(trajectories)):
@@ -76,13 +77,13 @@ def _recordings(folder: Path) -> list[Path]:
     return [] if name is None else [folder / name]
 
 
-def _shown(folder: Path, told: Told, frames: Sequence[Frame], proved: Sequence[Sequence[Region]]) -> Counter[str]:
+def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region]]) -> Counter[str]:
     """Check what else shows regions, all of which are proved; return how much of what there is."""
     counts = told.check_summary(folder / SUMMARY)
-    for robot in range(len(proved[0])):
-        counts["poses of the trajectories"] += told.check_trajectory(robot, folder / TRAJECTORY.format(robot))
+    for robot, name in enumerate(log.names):
+        counts["poses of the trajectories"] += told.check_trajectory(robot, folder / TRAJECTORY.format(name))
     for path in sorted(folder.glob("*.rrd")):
-        counts["regions of the recording"], counts[OTHER_ENTITIES] = check_recording(path, frames, proved)
+        counts["regions of the recording"], counts[OTHER_ENTITIES] = check_recording(path, log.names, log.frames, proved)
     counts["regions, closed and as they are shown"] = sum(map(len, proved))
     counts[f"{TRUST}the measurements' own bounds"] = told.numbers()["measurements"]
     return counts

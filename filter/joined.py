@@ -114,7 +114,9 @@ def _about_the_mean(pieces: Array, angle: Array, off: Array, x: float, y: float)
     for k in range(len(pieces)):
         distance, bound, by, turned, direction = pieces[k, 0], pieces[k, 1], pieces[k, 2], pieces[k, 3], pieces[k, 4]
         most, bend = abs(distance) + bound, (abs(by) + turned) / 2 + direction
-        chord = np.cos(min(np.pi / 2, bend)) * np.cos(min(np.pi, off[k]))
+        chord = np.cos(min(np.pi, off[k]))
+        if chord > 0:  # or else the longest one goes farthest back
+            chord *= np.cos(min(np.pi / 2, bend))
         ahead, aside = bound + most * (1 - chord), most * np.sin(min(np.pi / 2, off[k]))
         c, s = abs(np.cos(angle[k] - way)), abs(np.sin(angle[k] - way))
         along, across = along + ahead * c + aside * s, across + ahead * s + aside * c

@@ -8,7 +8,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from experiments.following.located import inside, points, there
-from filter import Belief, Fallback, Frame, GaussianBelief, Guarantee, Mask, Rejected, RobustBelief, Truth
+from filter import (
+    Belief,
+    Fallback,
+    Frame,
+    GaussianBelief,
+    Guarantee,
+    Mask,
+    Measurement,
+    Position,
+    Rejected,
+    RobustBelief,
+    Truth,
+)
 
 Known = Belief | RobustBelief | GaussianBelief  # what a filter knows
 
@@ -46,7 +58,8 @@ class Metrics:
         heading_escapes: Headings outside their interval.
         escapes_in_force: Those of both for which the guarantee was said to be in force: broken promises.
         suspended: The guarantee as it was when it first was not in force for every robot; None for never.
-        measurements: Numbers that were measured and merged: a compass reading, a bearing or a range counts one each.
+        measurements: Numbers that were measured and merged: a compass reading, a bearing or a range counts one each, and so
+            does the position of a robot, however many half-planes it has.
         rows_max: Greatest number of constraints of a belief.
         rejected: Measurements that were dropped for others to agree.
         fallbacks: How often a solver's answers were no good.
@@ -83,7 +96,7 @@ class Metrics:
         self.steps += 1
         if self.suspended is None and belief.guarantee.lapsed.any():
             self.suspended = belief.guarantee
-        self.measurements += sum(len(record.robot) for record in frame.measurements)
+        self.measurements += sum(map(_count, frame.measurements))
         self._seconds.append(seconds)
         if isinstance(belief, GaussianBelief):
             self.rejected = belief.rejected  # so far
@@ -161,6 +174,10 @@ def guarantee_summary(suspended: Guarantee | None) -> dict[str, Value]:
 def rounded(value: float) -> float:
     """Return the value to `DIGITS` significant digits: what people read, not what anything is computed from."""
     return float(f"{value:.{DIGITS}g}")
+
+
+def _count(record: Measurement) -> int:
+    return len(set(record.robot.tolist())) if isinstance(record, Position) else len(record.robot)
 
 
 def _missing(holds: Mask) -> tuple[int, ...]:

@@ -7,10 +7,9 @@ from types import TracebackType
 
 from experiments.following.located import directions, points
 from experiments.keeping.running import Keeper, Moment
-from experiments.logs import Certificates, Header
-from experiments.logs.records import FIRST
+from experiments.logs import Certificates
 from experiments.show.output import Trajectories
-from filter import InvalidInput, Team
+from filter import Team
 
 
 class Poses(Keeper):
@@ -28,14 +27,6 @@ class Poses(Keeper):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._files.close()
-
-
-def check_provable(header: Header) -> None:
-    """Raise `InvalidInput` if certificates of a log could not be checked: `experiments.prove` reads version 1 as yet."""
-    if header.version != FIRST:
-        raise InvalidInput(
-            "a log of version 1 for --certificates, which is all that is proved as yet", f"version {header.version}"
-        )
 
 
 class Proofs(Keeper):

@@ -31,7 +31,7 @@ def case_record(case: ByCases, readings: Readings, before: Mapping[int, ByCases]
         "sources": [source_record(source) for source in sources],
         "lower": {str(body): hexadecimal(known.lower[body]) for body in (case.robot, *mates)},
         "upper": {str(body): hexadecimal(known.upper[body]) for body in (case.robot, *mates)},
-        "said": [source_record(source) for source in readings.concerning(case.robot) if source.kind != "compass"],
+        "said": [source_record(source) for source in readings.concerning(case.robot) if source.kind in ("bearing", "range")],
         "spacing": float(case.spacing).hex(),
         "pieces": list(_pieces(case)),
         "claims": [{"normal": hexadecimal(row[:2]), "offset": row[2].hex()} for row in case.rows],

@@ -25,7 +25,7 @@ from experiments.proof.exact import (
     once_around,
     up,
 )
-from experiments.proof.log import Reading, Who
+from experiments.proof.given.frame import Reading, Who
 from experiments.proof.measured import Instant, between
 from experiments.proof.polygon import Polygon
 from experiments.proof.reading import Broken, Record, exact, shown

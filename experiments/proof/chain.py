@@ -12,10 +12,12 @@ from math import pi
 
 from experiments.proof.cells import check_cases
 from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner, unit_normal
-from experiments.proof.exact import Arc, Motion, Vector, arc_around, in_common
+from experiments.proof.exact import Arc, Vector, arc_around, in_common
+from experiments.proof.given.frame import Frame
+from experiments.proof.given.log import Log
 from experiments.proof.line import check
-from experiments.proof.log import Frame, Log
 from experiments.proof.measured import Instant, of_measurement
+from experiments.proof.motion import Displaced, turned
 from experiments.proof.reading import VERSION, Broken, Record, exact, located, shown
 from experiments.proof.sides import Sides, compasses
 
@@ -38,7 +40,7 @@ class Chain:
         self.shown: Edges = {}
         self._log = log
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
-        self._history: list[list[Motion] | None] = []  # by frames, as are the next two
+        self._history: list[list[Displaced]] = []  # by frames, as are the next two
         self._proved: list[Edges] = []
         self._instants: list[Instant] = []
         self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
@@ -66,7 +68,8 @@ class Chain:
         Raises:
             Broken: Something does not follow from anything before it.
         """
-        frame = self._begin()
+        with located(f"step {len(self._history)}"):
+            frame = self._begin()
         for place, record in headings:
             with located(place):
                 for line in record["lines"]:
@@ -108,11 +111,12 @@ class Chain:
 
     def _begin(self) -> Frame:
         log, number = self._log, len(self._history)
-        frame, since = log.frames[number], log.frames[number - 1].time if number else log.start
-        before = self.headings if number else log.initial
-        self._history.append(log.motions(frame, since, before))
+        frame, before = log.frames[number], self.headings if number else log.initial
+        driven = list(zip(frame.pieces, before, strict=True))
+        self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
         self._proved.append({})
-        self._instants.append(Instant(log, frame, log.turned(frame, since, before), Sides(log.robots, log.landmarks)))
+        looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks)
+        self._instants.append(Instant(log, frame, looks, sides, self.edges))
         self._seen, self._looks = set(), list(self.headings)
         return frame
 

@@ -1,6 +1,6 @@
 """Angles, arcs and displacements between exact bounds: rational arithmetic, standard library only."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -199,47 +199,3 @@ def sector(normal: Vector, arc: Arc, near: Fraction, far: Fraction) -> Fraction:
         return far * length(normal)
     slope = arc.most(normal)
     return slope * (far if slope > 0 else near)
-
-
-@dataclass(frozen=True)
-class Motion:
-    """How one robot can have moved: at the end of a path, in a sector, and then a slip in any direction.
-
-    Attributes:
-        arc: Directions of the path's chord.
-        least: Least signed length of the path [m].
-        greatest: Greatest signed length of the path [m].
-        bend: The heading is never farther from the chord's [rad].
-        slip: [m].
-    """
-
-    arc: Arc
-    least: Fraction
-    greatest: Fraction
-    bend: Fraction
-    slip: Fraction
-
-    @classmethod
-    def of_odometry(cls, driven: Mapping[str, Fraction], heading: Arc) -> "Motion":
-        """Return how a robot can have moved, from a heading on [rad]."""
-        turn, turned, skew = abs(driven["turn"]), driven["turn_bound"], driven["direction_bound"]
-        full = turn + turned >= 2 * (PI - PI_ROUNDING)
-        way = driven["turn"] / 2 + driven.get("aside", Fraction(0))
-        arc = Arc(-CIRCLE, CIRCLE) if full else heading.widened(way, turned / 2 + skew)
-        least, greatest = driven["distance"] - driven["distance_bound"], driven["distance"] + driven["distance_bound"]
-        return cls(arc, least, greatest, (turn + turned) / 2 + skew, driven["slip_bound"])
-
-    @cached_property
-    def chord(self) -> Fraction:
-        """A number no greater than the chord's length by the path's."""
-        return max(Fraction(0), unit(self.bend)[0][0]) if 2 * self.bend < PI - PI_ROUNDING else Fraction(0)
-
-    def support(self, normal: Vector) -> Fraction:
-        """Return a number no smaller than normal . u over the displacements u."""
-        found = []
-        if self.greatest >= 0:
-            found.append(sector(normal, self.arc, max(Fraction(0), self.least) * self.chord, self.greatest))
-        if self.least <= 0:
-            back = (-normal[0], -normal[1])
-            found.append(sector(back, self.arc, max(Fraction(0), -self.greatest) * self.chord, -self.least))
-        return up(max(found) + self.slip * length(normal))

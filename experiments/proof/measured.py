@@ -1,11 +1,13 @@
 """Rows that follow from one measurement in the log. Exact arithmetic, standard library only."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
+from experiments.proof.edges import WORLD, Edges
 from experiments.proof.exact import CIRCLE, Arc, Vector, in_common, length
-from experiments.proof.log import Frame, Log, Reading
+from experiments.proof.given.frame import Frame, Reading, most_of
+from experiments.proof.given.log import Log
 from experiments.proof.reading import Record
 from experiments.proof.sides import Sides
 
@@ -18,19 +20,21 @@ NEAR_OF_SIDES = "rows of ranges, near side, over a narrower arc that is proved"
 
 @dataclass
 class Instant:
-    """What is known of directions at one frame.
+    """What is known at one frame.
 
     Attributes:
         log: What was given to the filter.
         frame: The frame.
         headings: The robots' headings, as far as they are proved.
         sides: Where targets are, likewise.
+        edges: What is proved of robots, likewise.
     """
 
     log: Log
     frame: Frame
     headings: Sequence[Arc]
     sides: Sides
+    edges: Edges = field(default_factory=dict)
 
 
 def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal: Vector, offset: Fraction) -> str | None:
@@ -45,9 +49,9 @@ def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal:
     """
     robot, target, (x, y), robots = source["robot"], source["target"], normal, then.log.robots
     if source["kind"] == "position":
-        own = then.frame.of("position", robot) if pair == (-1, robot) else []
-        same = [one["offset"] for one in own if (one["normal_x"], one["normal_y"]) == normal]
-        return PLACED if any(bound <= offset for bound in same) else None
+        own = then.frame.places.get(robot, []) if pair == (WORLD, robot) else []
+        found = (most_of(place, normal, then.edges.get(pair, {})) for place in own)
+        return PLACED if any(bound is not None and bound <= offset for bound in found) else None
     if pair[0] < 0 and target is not None and target >= robots and robot == pair[1]:
         mark = then.log.landmarks[target - robots]
         x, y, offset = -x, -y, offset - (x * mark[0] + y * mark[1])  # of the landmark, seen from the robot

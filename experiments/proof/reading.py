@@ -4,6 +4,7 @@ import gzip
 import json
 import struct
 import zlib
+from codecs import BOM_UTF8
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
@@ -13,6 +14,7 @@ from typing import Any
 
 Record = dict[str, Any]
 VERSION = 3  # of the format that is read, of certificates, headings and regions
+COMPRESSED = b"\x1f\x8b"  # what gzip begins with
 LONGEST = 1 << 24  # bytes of a line
 SAID = 300  # characters of an error, which can hold what is in the file
 # What fields that are missing or of another type, and numbers that are none or too large, end in where they are used.
@@ -70,19 +72,25 @@ def shown(value: Any) -> str:
     return text if len(text) <= 80 else text[:80] + "..."
 
 
-def records(path: Path, on_read: Callable[[int], object] = lambda _: None) -> Iterator[tuple[str, Record]]:
+def records(
+    path: Path, on_read: Callable[[int], object] = lambda _: None, *, loose: bool = False
+) -> Iterator[tuple[str, Record]]:
     """Yield the JSON objects of a file's lines, each with its place in words; a file named .gz is compressed.
 
     Args:
         path: The file.
         on_read: Told after each line how many bytes of the file have been read.
+        loose: Whether it is a file as people have them: compressed whatever it is called, with a byte order mark, blank lines,
+            a last line without its end.
 
     Raises:
         Broken: The file is damaged, or a line is no such object: repeated names, NaN and infinities are refused, too.
         OSError: There is no such file.
     """
     with path.open("rb") as raw:
-        file = gzip.GzipFile(fileobj=raw) if path.suffix == ".gz" else raw
+        packed = path.suffix == ".gz" or (loose and raw.read(len(COMPRESSED)) == COMPRESSED)
+        raw.seek(0)
+        file = gzip.GzipFile(fileobj=raw) if packed else raw
         for line in count(1):
             place = f"{path.name}, line {line}"
             try:
@@ -91,10 +99,20 @@ def records(path: Path, on_read: Callable[[int], object] = lambda _: None) -> It
                 raise Broken(f"{place}: the file is damaged: {error}") from None
             if not text:
                 return
+            if loose:
+                text = _plain(text, first=line == 1)
+            if loose and text.isspace():
+                continue
             with located(place):
                 record = parsed(text)
             yield place, record
             on_read(raw.tell())
+
+
+def _plain(text: bytes, *, first: bool) -> bytes:
+    """Return a line without a byte order mark, which the first one may have, and with its end."""
+    plain = text.removeprefix(BOM_UTF8) if first else text
+    return plain if plain.endswith(b"\n") or len(plain) == LONGEST else plain + b"\n"
 
 
 def parsed(text: bytes) -> Record:

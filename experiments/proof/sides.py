@@ -9,7 +9,7 @@ from fractions import Fraction
 
 from experiments.proof.edges import WORLD, plane
 from experiments.proof.exact import Arc, Vector, half_circle, in_common
-from experiments.proof.log import Frame
+from experiments.proof.given.frame import Frame
 from experiments.proof.reading import Broken, Record, exact, shown
 
 

@@ -13,7 +13,8 @@ from typing import Any
 
 from experiments.proof.edges import WORLD, Edges
 from experiments.proof.exact import Arc, unit
-from experiments.proof.log import Frame, Log
+from experiments.proof.given.frame import Frame
+from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, body, located, number, parsed, shown
 from experiments.proof.shown import Region, dot
 
@@ -37,6 +38,7 @@ class Told:
     _areas: list[float] = field(default_factory=list)
     _squares: list[Fraction] = field(default_factory=list)
     _escapes: int = 0
+    _looked: int = 0
     _turned: int = 0
 
     def add(self, frame: Frame, regions: list[Region], edges: Edges, headings: Sequence[Arc]) -> None:
@@ -46,11 +48,13 @@ class Told:
             x, y = map(float, region.estimate)
             self.poses[robot].append((frame.time, x, y, heading))
             self._areas.append(region.area)
-            if frame.truth is not None:
-                place, looks = frame.truth[0][robot], frame.truth[1][robot]
+            place, looks = frame.truth.get(robot, (None, None))
+            if place is not None:
                 off = (region.estimate[0] - place[0], region.estimate[1] - place[1])
                 self._squares.append(dot(off, off))
                 self._escapes += any(dot(normal, place) > offset for normal, offset in edges[WORLD, robot].items())
+            if looks is not None:
+                self._looked += 1
                 self._turned += not heading.covers(Arc(looks, looks))
 
     def numbers(self) -> dict[str, Any]:
@@ -62,7 +66,7 @@ class Told:
             "rate_hz": rate,
             "checks": checks,
             "escapes": self._escapes,
-            "heading_checks": checks,
+            "heading_checks": self._looked,
             "heading_escapes": self._turned,
             "measurements": sum(frame.measurements for frame in self.log.frames),
             "outer_area_mean_m2": float(sum(map(Fraction, self._areas), Fraction(0)) / len(self._areas)),

@@ -8,7 +8,7 @@ from helpers.worlds import World
 
 from experiments.logs import Certificates, Header, InitialSet, LogWriter, first_belief
 from experiments.proof.chain import Chain
-from experiments.proof.log import Log
+from experiments.proof.given.log import Log
 from experiments.proof.reading import Feed
 from experiments.prove import HEADINGS, LINES, REGIONS, regions_of
 from filter import Bearing, Frame, Rejected, SetMembershipFilter, Window, follow

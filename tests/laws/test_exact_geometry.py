@@ -16,7 +16,6 @@ from experiments.proof.edges import plane, through_corner
 from experiments.proof.exact import (
     PI,
     Arc,
-    Motion,
     angle_of,
     are_apart,
     half_circle_about,
@@ -26,6 +25,7 @@ from experiments.proof.exact import (
     sector,
 )
 from experiments.proof.exact import unit as enclosed
+from experiments.proof.motion import Motion, Piece
 from experiments.proof.polygon import Polygon as ExactPolygon
 from experiments.proof.reading import Broken
 from filter import AngularIntervals, Odometry, Polygon, Team
@@ -72,10 +72,9 @@ def test_a_displacement_is_within_its_support_and_the_filter_claims_no_less(seed
     rng = np.random.default_rng(seed)
     heading, bound, turn, turned, skew = rng.uniform(-np.pi, np.pi), rng.uniform(0, 0.4), *rng.uniform(0, 0.3, 3)
     way, error, slip = rng.uniform(-1, 1), rng.uniform(0, 0.5), rng.uniform(0, 0.1)
-    arc = Arc(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
-    arc = arc.widened(Fraction(turn) / 2, Fraction(turned) / 2 + Fraction(skew))
-    bend = (Fraction(turn) + Fraction(turned)) / 2 + Fraction(skew)
-    motion = Motion(arc, Fraction(way) - Fraction(error), Fraction(way) + Fraction(error), bend, Fraction(slip))
+    looks = Arc(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
+    arc = looks.widened(Fraction(turn) / 2, Fraction(turned) / 2 + Fraction(skew))
+    motion = Motion.of(Piece(*map(Fraction, (way, error, turn, turned, skew, slip, 0))), looks)
     odometry = Odometry(0.0, 1.0, 0, way, error, turn, turned, skew, slip)
     moves = displacements(odometry, AngularIntervals([heading], [bound]), Team(1), 1.0)
     for angle in rng.uniform(-np.pi, np.pi, 4):

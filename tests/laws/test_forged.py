@@ -7,7 +7,7 @@ import pytest
 
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.proof.chain import MOST, Chain
-from experiments.proof.log import Log
+from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.shown import checked_region
 from experiments.proof.sides import Sides

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved_runs import lines_of, moved, rewritten, run_of
+from helpers.proved.runs import lines_of, moved, rewritten, run_of
 
 from experiments import prove
 from experiments.prove import HEADINGS, LINES, REGIONS, SUMMARY
@@ -499,14 +499,14 @@ def a_frame_that_comes_late(log):
     log.append({"record": "frame", "time": 0.3})
 
 
-@forged("odometry from t = 0.6 s on, where the frame before is of 0.0 s", LOG)
+@forged("nothing for the log's frame at t = 0.7", LOG)
 def a_log_out_of_order(log):
     log[4:] = [record for time in (0.7, 0.0) for record in log[4:] if abs(record["time"] - time) < 0.01]
 
 
-@forged("a log of version 1 was expected, not 'corral-log', version 2", LOG)
+@forged("a log of version 1 or 2 was expected, not 'corral-log', version 3", LOG)
 def a_log_of_another_version(log):
-    log[0]["version"] = 2
+    log[0]["version"] = 3
 
 
 @forged("at least one frame was expected", LOG)
@@ -545,7 +545,7 @@ def a_record_of_another_kind(log):
     all_of(log, "range")[0]["record"] = "sonar"
 
 
-@forged("a second odometry of robot", LOG)
+@forged("odometry from 0.0 s on, where other odometry ends at 0.1 s", LOG)
 def odometry_said_twice(log):
     log.insert(log.index(all_of(log, "odometry")[0]), all_of(log, "odometry")[0])
 

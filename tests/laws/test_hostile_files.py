@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved_runs import FILES, lines_of, rewritten, run_of
+from helpers.proved.runs import FILES, lines_of, rewritten, run_of
 
 from experiments import prove
 from experiments.prove import HEADINGS, LINES, REGIONS, SUMMARY

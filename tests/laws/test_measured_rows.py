@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from experiments.proof.edges import plane
 from experiments.proof.exact import Arc
-from experiments.proof.log import Frame
+from experiments.proof.given.frame import Frame
 from experiments.proof.measured import BEARING, DIRECTION, FAR, NEAR, NEAR_OF_SIDES, Instant, of_measurement
 from experiments.proof.sides import Sides
 

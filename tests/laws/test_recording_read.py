@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 import rerun as rr
-from helpers.proved_runs import lines_of, run_of
+from helpers.proved.runs import lines_of, run_of
 from helpers.recordings import rows_of
 from hypothesis import given
 from hypothesis import strategies as st
@@ -145,7 +145,9 @@ def proved(folder, path):
         ]
         for line in lines
     ]
-    return check_recording(path, [Frame(float.fromhex(line["t"])) for line in lines], regions)
+    return check_recording(
+        path, [f"r{robot}" for robot, _ in enumerate(regions[0])], [Frame(float.fromhex(line["t"])) for line in lines], regions
+    )
 
 
 @pytest.fixture

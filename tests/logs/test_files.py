@@ -14,7 +14,7 @@ import pytest
 from experiments.logs import Header, InitialSet, LogReader, LogWriter, first_belief, read_trajectory
 from experiments.logs.log import InvalidLog
 from experiments.logs.writing import header_object
-from experiments.proof.log import Log
+from experiments.proof.given.log import Log
 from experiments.real_robots.data import read_tables
 from filter import Compass, ExtendedKalmanFilter, Frame, InvalidInput, Range, RobustFilter, SetMembershipFilter, Team
 

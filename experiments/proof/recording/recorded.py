@@ -7,7 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from experiments.proof.log import Frame
+from experiments.proof.given.frame import Frame
 from experiments.proof.reading import Broken, located
 from experiments.proof.recording.rrd import Recorded, recorded
 from experiments.proof.shown import Region
@@ -29,11 +29,14 @@ TEAM, PLOTTED = "team", ("mean", "least", "greatest")  # what large teams have i
 NANOSECOND, MEAN = 1.0001e-9, 1e-12
 
 
-def check_recording(path: Path, frames: Sequence[Frame], regions: Sequence[Sequence[Region]]) -> tuple[int, int]:
+def check_recording(
+    path: Path, robots: Sequence[str], frames: Sequence[Frame], regions: Sequence[Sequence[Region]]
+) -> tuple[int, int]:
     """Return how many regions are recorded as they are proved, and how many entities are of no region.
 
     Args:
         path: The recording.
+        robots: What they are called.
         frames: All frames of the log.
         regions: Of each frame and robot.
 
@@ -45,8 +48,8 @@ def check_recording(path: Path, frames: Sequence[Frame], regions: Sequence[Seque
         every = recorded(path, lambda name: name in ABOVE or any(name.startswith(layer) for layer in COMPONENTS))
         for name, rows in every.items():
             _check_kinds(name, rows)
-        together, robots = f"{OUTER}{TEAM}" in every, len(regions[0])
-        names = [TEAM] if together else [f"r{robot}" for robot in range(robots)]
+        together = TEAM not in robots and f"{OUTER}{TEAM}" in every
+        names = [TEAM] if together else [*robots]
         plots = [*PLOTTED] if together else names
         shown = {layer: [_rows(every, layer + name, frames) for name in names] for layer in LAYERS}
         fans = [_rows(every, FILL + name, frames, TRIANGLES) for name in names]
@@ -57,7 +60,7 @@ def check_recording(path: Path, frames: Sequence[Frame], regions: Sequence[Seque
                 if [list(corners) for corners in fans[place][number]] != _fans([len(one.vertices) for one in group]):
                     raise Broken(f"{FILL} fills another polygon than the one that is proved, in frame {number}")
             _check_areas([rows[number][0] for rows in areas], [region.area for region in of_frame], together)
-    return len(frames) * robots, len(every) - len(LAYERS) * len(names) - len(plots)
+    return len(frames) * len(robots), len(every) - len(LAYERS) * len(names) - len(plots)
 
 
 def _check_kinds(name: str, rows: Sequence[Recorded]) -> None:

@@ -1,0 +1,78 @@
+"""What came with one frame, in exact numbers. Standard library only."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from experiments.proof.edges import SIDES, plane, through_corner
+from experiments.proof.exact import Vector, length
+from experiments.proof.motion import Piece
+
+Reading = dict[str, Fraction]
+Who = tuple[str, int, int | None]  # kind, robot, target
+Pose = tuple[Vector | None, Fraction | None]  # a true place and a true heading, None for what nobody knows
+BOX = [plane(direction) for _, _, direction in SIDES]
+
+
+@dataclass(frozen=True)
+class Within:
+    """A robot is so near to the convex hull of some corners [m]."""
+
+    corners: Sequence[Vector]
+    radius: Fraction = Fraction(0)
+
+    def most(self, normal: Vector) -> Fraction:
+        """Return a number no smaller than normal . p."""
+        farthest = max(normal[0] * x + normal[1] * y for x, y in self.corners)
+        return farthest + self.radius * length(normal) if self.radius else farthest
+
+
+@dataclass(frozen=True)
+class Behind:
+    """A robot is behind a line, normal . p <= offset."""
+
+    normal: Vector
+    offset: Fraction
+
+
+Place = Within | Behind
+
+
+def most_of(place: Place, normal: Vector, edges: dict[Vector, Fraction]) -> Fraction | None:
+    """Return a number no smaller than normal . p of a robot in a place; None if nothing says one.
+
+    Of a robot behind a line it follows from the line, or from it and a side of the robot's box, which is among its edges: as a
+    rule the normals are the same, or one is the other made of length 1 in floats, which may be turned by a hair.
+    """
+    if isinstance(place, Within):
+        return place.most(normal)
+    if normal == place.normal:
+        return place.offset
+    box = {side: edges[side] for side in BOX if side in edges}
+    return through_corner({**box, place.normal: place.offset}, normal)
+
+
+@dataclass
+class Frame:
+    """What came with one frame.
+
+    Attributes:
+        time: [s].
+        readings: Of each kind, robot and target (None for a compass): the numbers of every reading.
+        places: Of each robot, where it is, by each position that was measured.
+        truth: Of robots, where they were and which way they looked.
+        measurements: How many were taken; a position of one robot is one, however many sides it has.
+        pieces: Of each robot, how it moved since the frame before, one after the other; nothing if no time has passed.
+    """
+
+    time: float
+    readings: dict[Who, list[Reading]] = field(default_factory=dict)
+    places: dict[int, list[Place]] = field(default_factory=dict)
+    truth: dict[int, Pose] = field(default_factory=dict)
+    measurements: int = 0
+    pieces: list[list[Piece]] = field(default_factory=list)
+
+    def of(self, kind: str, robot: int, target: int | None = None) -> list[Reading]:
+        """Return all that one robot measured of a target, in numbers."""
+        found = self.readings.get((kind, robot, target), ())
+        return [{name: Fraction(value) for name, value in one.items()} for one in found]

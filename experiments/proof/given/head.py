@@ -1,0 +1,132 @@
+"""How a log begins: the team, and what is known of each robot at the start. Standard library only."""
+
+import re
+from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+from experiments.proof.exact import Arc, Vector, arc_around
+from experiments.proof.given.driven import Limits
+from experiments.proof.reading import Broken, Record, body, located, number, shown
+
+FIRST, SECOND = 1, 2  # versions of the format
+HEADER = {"format", "version", "robots", "landmarks", "arena", "speed_limit", "turn_rate_limit", "start"}
+ACCELERATIONS = ("acceleration_limit", "turn_acceleration_limit")
+NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names
+
+
+class Head:
+    """What a log begins with.
+
+    Attributes:
+        version: Of the format.
+        robots: How many.
+        names: Of the robots, in their order.
+        marks: Names of the landmarks, in their order.
+        landmarks: Where they are [m].
+        arena: Lower and upper corner, None for a coordinate without a limit [m].
+        limits: Of each robot.
+        start: When the initial sets hold [s].
+        rate: Frames a second [Hz], or None.
+        vertices: For each robot the corners of its initial set [m].
+        initial: For each robot its heading at the start.
+    """
+
+    def __init__(self, lines: Iterator[tuple[str, Record]]) -> None:
+        place, header = next(lines, ("log.jsonl", {}))
+        with located(place):
+            self._read_header(header)
+        known: dict[int, tuple[list[Vector], Arc]] = {}
+        for _ in range(self.robots):
+            place, record = next(lines, ("log.jsonl", {}))
+            with located(place):
+                robot, what = self._initial(record)
+                if robot in known:
+                    raise Broken(f"a second initial set of robot {robot}")
+                known[robot] = what
+        self.vertices = [known[robot][0] for robot in range(self.robots)]
+        self.initial = [known[robot][1] for robot in range(self.robots)]
+
+    def robot(self, value: Any) -> int:
+        """Return the number of a robot; a name will do, from version 2 on."""
+        return self._body(value, self.names)
+
+    def target(self, mate: Any, mark: Any) -> int:
+        """Return the number of a robot or a landmark that was seen; robots are counted first."""
+        if (mate is None) == (mark is None):
+            raise Broken("either a target or a landmark was expected")
+        return self.robot(mate) if mark is None else self.robots + self._body(mark, self.marks)
+
+    def _body(self, value: Any, names: Sequence[str]) -> int:
+        if self.version > FIRST and isinstance(value, str) and value in names:
+            return names.index(value)
+        return body(value, len(names))
+
+    def _read_header(self, header: Record) -> None:
+        form, version = header.get("format"), header.get("version")
+        if form != "corral-log" or type(version) is not int or version not in (FIRST, SECOND):
+            raise Broken(f"a log of version 1 or 2 was expected, not {shown(form)}, version {shown(version)}")
+        self.version: int = version
+        later = {"rate", *ACCELERATIONS} if self.version > FIRST else set()
+        fields = fields_of(header, "header", HEADER | ({"rate"} - later), later)
+        robots, marks = fields["robots"], fields["landmarks"]
+        named = isinstance(robots, list) and self.version > FIRST
+        self.names = _names(robots) if named else [f"r{k}" for k in range(body(robots, 10**6))]
+        self.robots = len(self.names)
+        named = isinstance(marks, dict) and self.version > FIRST
+        self.marks = _names(marks) if named else [f"l{k}" for k in range(len(marks))]
+        self.landmarks = [point(place) for place in (marks.values() if named else marks)]
+        if len({*self.names, *self.marks}) < len(self.names) + len(self.marks):
+            raise Broken("names of robots and landmarks, no two alike, were expected")
+        least, greatest = fields["arena"]
+        self.arena = [[None if value is None else number(value) for value in (x, y)] for x, y in (least, greatest)]
+        self.limits = [Limits(*each) for each in zip(*self._limits(fields), strict=True)]
+        self.start, rate = number(fields["start"]), fields.get("rate")
+        self.rate = None if rate is None else number(rate, 0)
+
+    def _limits(self, fields: Record) -> Iterator[list[Any]]:
+        """Yield each limit of every robot: one for all, or from version 2 on one for each by its name."""
+        for name in ("speed_limit", "turn_rate_limit", *ACCELERATIONS):
+            limit: Any = fields.get(name)
+            may = name in ACCELERATIONS
+            if isinstance(limit, dict) and self.version > FIRST and set(limit) != set(self.names):
+                raise Broken(f"{name}: one for each of {self.robots} robots was expected")
+            named = isinstance(limit, dict) and self.version > FIRST
+            each = [limit[robot] for robot in self.names] if named else [limit] * self.robots
+            yield [None if value is None and may else Fraction(number(value, 0)) for value in each]
+
+    def _initial(self, record: Record) -> tuple[int, tuple[list[Vector], Arc]]:
+        fields = fields_of(record, "initial", {"robot", "vertices", "heading"})
+        corners, heading = fields["vertices"], fields["heading"] or {"centre": 0.0, "bound": 4.0}
+        if corners is None:
+            corners = list(product(*zip(*self.arena, strict=True)))
+        if not corners:
+            raise Broken("an initial set without a point")
+        arc = arc_around(number(heading["centre"]), number(heading["bound"], 0))
+        return self.robot(fields["robot"]), ([point(corner) for corner in corners], arc)
+
+
+def fields_of(record: Record, kind: str, names: AbstractSet[str], may: AbstractSet[str] = frozenset()) -> Record:
+    """Return a record of a kind that has these fields, and of others only those that it may have."""
+    came = set(record) - {"record"}
+    if record.get("record") != kind or not names <= came <= names | may:
+        raise Broken(f"a record {kind} of {sorted(names)} was expected, not {shown(sorted(record))}")
+    return record
+
+
+def point(value: Any) -> Vector:
+    """Return a point."""
+    x, y = value
+    return Fraction(number(x)), Fraction(number(y))
+
+
+def _names(values: Any) -> list[str]:
+    names = list(values)
+    for name in names:
+        if not isinstance(name, str) or not NAME.fullmatch(name):
+            raise Broken(f"a name was expected, not {shown(name)}")
+    if not names and isinstance(values, list):
+        raise Broken("at least one robot was expected")
+    return names

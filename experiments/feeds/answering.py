@@ -82,6 +82,7 @@ class Answering:
     def __init__(self, feed: Feed, team: Team, now: Now, answers: Answers, truths: Truths) -> None:
         self._feed, self._team, self._answers, self._truths = feed, team, answers, truths
         self.now = now
+        self._behind = BEHIND  # what is worth the next word [s]
 
     @property
     def waiting(self) -> int:
@@ -141,9 +142,9 @@ class Answering:
         now, tally = perf_counter(), self._feed.tally
         for line in lines:
             tally.answered.add(now - line.arrived)
-        before = tally.behind
         tally.add(self.now.belief, seconds, now)
-        if tally.behind > max(before, BEHIND):
+        if tally.behind > self._behind:
+            self._behind = 2 * tally.behind
             self._feed.words.say("behind", f"answers are {tally.behind:.1f} s behind the stamps")
 
     def _check(self) -> None:

@@ -10,7 +10,7 @@ HERE = Path(__file__).parent
 TOUR = ("one_robot", "team", "own_log", "rejected_lie", "no_compass", "watching", "large_team", "late_records")
 QUESTIONS = {
     "Before all others": ("warm_up",),
-    "Your own log": ("follow",),
+    "Your own log": ("follow", "live"),
     "A moving team": ("moving_team", "prove", "watch"),
     "Your own data": ("sample", "convert"),
     "Against a Kalman filter": ("ekf_comparison",),

@@ -119,7 +119,8 @@ def _together(
             began, before = now(), belief
             belief = filter_.advance(belief, some)
             measured = [record for frame in some for record in frame.measurements]
-            yield Step(replace(some[-1], measurements=measured), before, belief, now() - began)
+            changes = [change for frame in some for change in frame.changes]
+            yield Step(replace(some[-1], measurements=measured, changes=changes), before, belief, now() - began)
 
     fault, frame = None, next(frames, None)
     while frame is not None:
@@ -149,8 +150,8 @@ def _steps(
 
 def changed(filter_: Any, belief: AnyBelief, changes: Sequence[Change]) -> AnyBelief:
     """Return the belief after robots were placed or have left, in this order; `InvalidInput` if they cannot for this filter."""
-    if changes:
-        function("a filter with changed, for robots that are placed or leave", getattr(filter_, "changed", None))
+    if changes and not callable(getattr(filter_, "changed", None)):
+        raise InvalidInput("a filter that robots can join and leave, as SetMembershipFilter", type(filter_).__name__)
     for change in changes:
         belief = filter_.changed(belief, change)
     return belief

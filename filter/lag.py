@@ -6,13 +6,17 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, Generic
 
+import numpy as np
+
 from filter.arrays import Frozen, checked, function, instance, number, several
 from filter.errors import InvalidInput, OutOfOrder
-from filter.follow import AnyBelief, Filter, Step, a_filter, follow, time_of
+from filter.follow import AS_LONG, AnyBelief, Filter, Step, a_filter, follow, time_of
 from filter.motions import Motions
 from filter.records.frame import Frame
-from filter.records.measurements import MEASUREMENTS, Measurement
+from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry, Twist
+from filter.records.presence import Change, Left, Placed
+from filter.stream import ARRIVALS, Arrival
 from filter.team import Team
 
 
@@ -72,7 +76,8 @@ class FixedLag(Frozen, Generic[AnyBelief]):
     have moved within their limits; then what was found since is found again.
 
     The result is that of the inner filter with the same measurements in order, bit for bit, if their order within one instant
-    makes no difference to it. Raises `InvalidInput` if an attribute is of another type, or lag or gap negative or not finite.
+    makes no difference to it and every stamp is a step. Raises `InvalidInput` if an attribute is of another type, or lag, gap
+    or every negative or not finite.
 
     A stamp after too long a gap is refused, too, as it may be wrong; what is refused is told each time. If the next merge, and
     all of it, goes on from a stamp farther off than the gap, ahead or back, the clock has jumped: `restart` says what is known.
@@ -84,6 +89,9 @@ class FixedLag(Frozen, Generic[AnyBelief]):
         lag: How late a measurement may be, from 0 on [s].
         gap: How long nothing may come before stamps are doubted, from 0 on [s].
         restart: Returns the belief at the time [s] that a clock has jumped to, from the one before; None to go on refusing.
+        every: So long a time is one step, for an inner filter that can `advance` [s]; 0 for a step at every stamp. The newest
+            step goes on for so long: whatever comes for it in that time is merged with it, at a stamp of its own. A step that
+            is over is done again for what was measured or driven in it; odometry that goes on after it counts from then on.
     """
 
     inner: Filter[AnyBelief] = field(metadata=checked(a_filter, "a filter"))
@@ -95,49 +103,59 @@ class FixedLag(Frozen, Generic[AnyBelief]):
     restart: Callable[[AnyBelief, float], AnyBelief] | None = field(
         default=None, metadata=checked(function, "restart", optional=True)
     )
+    every: float = field(default=0.0, metadata=checked(number, "every [s]", 0))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.every:
+            function("a filter with advance, for a time that is one step", getattr(self.inner, "advance", None))
 
     def begin(self, belief: AnyBelief) -> Lagged[AnyBelief]:
         """Return a belief of the inner filter to which nothing has happened yet; `InvalidInput` if it has no time."""
         motions = None if self.motion else Motions(instance("a filter's team", getattr(self.inner, "team", None), Team))
         return Lagged((Step(Frame(time_of(belief)), belief, belief, 0.0),), motions)
 
-    def merge(self, lagged: Lagged[AnyBelief], records: Sequence[Measurement | Odometry | Twist]) -> Lagged[AnyBelief]:
+    def merge(self, lagged: Lagged[AnyBelief], records: Sequence[Arrival]) -> Lagged[AnyBelief]:
         """Return what is known after records of any times, in any order; what was known stays as it is.
 
         How late measurements are is counted from the newest that came before. Odometry tells of the time since the oldest step.
-        Raises `InvalidInput` if something is no record, `OutOfOrder` for a twist from before the oldest step, and what the
-        inner filter and `Motions.merged` raise; nothing has changed then.
+        A frame asks for a step at its time; what is measured and driven in it counts, its truth does not. Raises `InvalidInput`
+        if something is no record, `OutOfOrder` for a twist from before the oldest step, and what the inner filter and
+        `Motions.merged` raise; nothing has changed then.
         """
         instance("what is known (see begin)", lagged, Lagged)
-        some = several("records", records, *MEASUREMENTS, Odometry, Twist)
-        known = self._driven(lagged, [record for record in some if isinstance(record, Odometry | Twist)])
-        measured = sorted((record for record in some if isinstance(record, MEASUREMENTS)), key=time_of)
-        return self._measured(known, measured) if measured else known
+        told, instants = _apart(several("records", records, *ARRIVALS))
+        known, first = self._driven(lagged, told)
+        if instants:
+            return self._measured(known, first, instants)
+        return replace(known, steps=self._redone(known, first)) if told else lagged
 
-    def _driven(self, lagged: Lagged[AnyBelief], told: Sequence[Odometry | Twist]) -> Lagged[AnyBelief]:
-        """Return what is known after odometry: the steps that it reaches into are done again."""
+    def _driven(self, lagged: Lagged[AnyBelief], told: Sequence[Odometry | Twist]) -> tuple[Lagged[AnyBelief], int]:
+        """Return what is known with odometry, and the first of the steps that it reaches into: these are not done again yet."""
+        steps = lagged.steps
         if not told:
-            return lagged
+            return lagged, len(steps)
         if lagged.motions is None:
             raise InvalidInput("measurements alone, as a function tells how robots move", type(told[0]).__name__.lower())
-        motions, oldest = lagged.motions, lagged.steps[0].belief.time
+        motions, oldest = lagged.motions, steps[0].belief.time
         for record in told:
-            if isinstance(record, Twist) and record.time < oldest and len(lagged.steps) > 1:  # it ended one that was relied on
+            if isinstance(record, Twist) and record.time < oldest and len(steps) > 1:  # it ended one that was relied on
                 raise OutOfOrder("twist", record.time, oldest)
             motions = motions.merged(record)
-        known = replace(lagged, motions=motions.since(oldest))
-        first = min(record.start if isinstance(record, Odometry) else record.time for record in told)
-        reached = {step.frame.time: () for step in lagged.steps[1:] if step.frame.time > first}
-        return replace(known, steps=self._redone(known, reached))
+        # Of what goes on in the newest step only that counts, or each of its records would have the step before done again.
+        over = steps[-2].belief.time if self.every and len(steps) > 1 else -np.inf
+        first = min((_since(record, over) for record in told if _until(record) > oldest), default=np.inf)
+        reached = 1 + sum(step.belief.time <= first for step in steps[1:])
+        return replace(lagged, motions=motions.since(oldest)), reached
 
-    def _measured(self, lagged: Lagged[AnyBelief], records: Sequence[Measurement]) -> Lagged[AnyBelief]:
-        """Return what is known after measurements in order of time."""
-        kept, newest = self._fitting(lagged, records), lagged.belief.time
-        strays = [record for record in records if record.time not in {each.time for each in kept}]
-        anew = None if kept else self._restarted(lagged, strays[0].time)
+    def _measured(self, lagged: Lagged[AnyBelief], first: int, instants: Sequence[Frame]) -> Lagged[AnyBelief]:
+        """Return what is known after measurements in order of time; steps from the first one on are done again anyway."""
+        kept, newest = self._fitting(lagged, instants), lagged.belief.time
+        strays = [frame for frame in instants if frame.time not in {each.time for each in kept}]
+        anew = None if kept else self._restarted(lagged, first, strays[0].time)
         begin = anew or lagged
-        steps = self._redone(begin, _by_time(strays if anew else kept))
-        late = lagged.late + _count([record for record in kept if record.time < newest])
+        steps = self._redone(begin, 1 if anew else first, _by_time(strays if anew else kept))
+        late = lagged.late + _count([frame for frame in kept if frame.time < newest])
         events = (Mistimed(newest, strays[0].time, _count(strays), anew is not None),) if strays else ()
         # The last one before the lag stays, too: a late one would begin with it.
         older = sum(step.belief.time < steps[-1].belief.time - self.lag for step in steps)
@@ -146,43 +164,96 @@ class FixedLag(Frozen, Generic[AnyBelief]):
         refused, astray = (0, None) if anew else (_count(strays), None if kept else strays[-1].time)
         return Lagged(steps, motions, late, lagged.refused + refused, events, astray)
 
-    def _fitting(self, lagged: Lagged[AnyBelief], records: Sequence[Measurement]) -> list[Measurement]:
-        """Return those of some records, in order of time, that come neither too late nor after too long a gap."""
+    def _fitting(self, lagged: Lagged[AnyBelief], instants: Sequence[Frame]) -> list[Frame]:
+        """Return those of some instants, in order of time, that come neither too late nor after too long a gap."""
         latest = lagged.belief.time
         oldest = max(lagged.steps[0].belief.time, latest - self.lag)
-        for record in records:
-            latest = record.time if latest < record.time <= latest + self.gap else latest
-        return [record for record in records if oldest <= record.time <= latest]
+        for frame in instants:
+            latest = frame.time if latest < frame.time <= latest + self.gap else latest
+        return [frame for frame in instants if oldest <= frame.time <= latest]
 
-    def _restarted(self, lagged: Lagged[AnyBelief], first: float) -> Lagged[AnyBelief] | None:
+    def _restarted(self, lagged: Lagged[AnyBelief], first: int, stray: float) -> Lagged[AnyBelief] | None:
         """Return what to begin with if the clock has jumped to records astray, the first at this time [s]."""
-        before, known = lagged.astray, lagged.steps[-1].belief
-        jumped = before is not None and abs(before - known.time) > self.gap and 0 < first - before <= self.gap
-        return self.begin(self.restart(known, first)) if jumped and self.restart else None
+        before, newest = lagged.astray, lagged.belief.time
+        jumped = before is not None and abs(before - newest) > self.gap and 0 < stray - before <= self.gap
+        if not (jumped and self.restart):
+            return None
+        known = self._redone(lagged, first)[-1].belief
+        return self.begin(self.restart(known, stray))
 
-    def _redone(self, known: Lagged[AnyBelief], more: Mapping[float, Sequence[Measurement]]) -> tuple[Step[AnyBelief], ...]:
-        """Return the steps with more measurements, by time, put in where they belong, and everything since then done again."""
-        steps = known.steps
-        if not more:
+    def _redone(
+        self, known: Lagged[AnyBelief], first: int, more: Mapping[float, Frame] | None = None
+    ) -> tuple[Step[AnyBelief], ...]:
+        """Return the steps with more instants, by time, put in where they belong.
+
+        All since then, and at least from the first one on, is done again.
+        """
+        steps, new = known.steps, more or {}
+        if new:
+            first = min(first, max(1, sum(step.belief.time < min(new) for step in steps)))
+        elif first == len(steps):
             return steps
-        first = max(1, sum(step.belief.time < min(more) for step in steps))
-        at = {step.belief.time: step.frame.measurements for step in steps[first:]}
-        for time, records in more.items():
-            at[time] = (*at.get(time, ()), *records)
+        if self._goes_on(steps, first, new):
+            first -= 1
+        at = _by_time([*(instant for step in steps[first:] for instant in _instants(step)), *new.values()])
         begin, frames = steps[first - 1].belief, []
         motion = self.motion or (known.motions.between if known.motions else None)
         for before, time in pairwise([begin.time, *sorted(at)]):
-            frames.append(Frame(time, motion(before, time) if motion and before < time else None, at[time]))
-        return (*steps[:first], *follow(self.inner, begin, frames))
+            frames.append(replace(at[time], odometry=motion(before, time) if motion and before < time else None))
+        return (*steps[:first], *follow(self.inner, begin, frames, every=self.every))
+
+    def _goes_on(self, steps: Sequence[Step[AnyBelief]], first: int, new: Mapping[float, Frame]) -> bool:
+        """Return whether what is new comes after the newest step, but so soon that it belongs to it."""
+        if not self.every or first < len(steps) or len(steps) == 1:
+            return False
+        return min(new) - steps[-2].belief.time < (1 - AS_LONG) * self.every
 
 
-def _by_time(records: Sequence[Measurement]) -> dict[float, tuple[Measurement, ...]]:
-    """Return records by their times."""
-    found = dict[float, tuple[Measurement, ...]]()
+def _apart(records: Sequence[Arrival]) -> tuple[list[Odometry | Twist], list[Frame]]:
+    """Return what was driven, and the instants in order of time, a frame for each record of them."""
+    told, instants = list[Odometry | Twist](), list[Frame]()
     for record in records:
-        found[record.time] = (*found.get(record.time, ()), record)
+        if isinstance(record, Odometry | Twist):
+            told.append(record)
+            continue
+        frame = record if isinstance(record, Frame) else _instant(record)
+        told += [frame.odometry] if frame.odometry is not None else []
+        instants.append(frame)
+    return told, sorted(instants, key=time_of)
+
+
+def _since(record: Odometry | Twist, over: float) -> float:
+    """Return when a record begins; if it ends after a time that is over, that is early enough [s]."""
+    begin = record.start if isinstance(record, Odometry) else record.time
+    return max(begin, over) if _until(record) > over else begin
+
+
+def _until(record: Odometry | Twist) -> float:
+    """Return when a record ends, by itself [s]."""
+    return record.time if isinstance(record, Odometry) else float((record.time + record.hold).max())
+
+
+def _instant(record: Measurement | Change) -> Frame:
+    """Return the instant of one record."""
+    if isinstance(record, Placed | Left):
+        return Frame(record.time, changes=(record,))
+    return Frame(record.time, measurements=(record,))
+
+
+def _instants(step: Step[AnyBelief]) -> list[Frame]:
+    """Return what a step was given, by its own stamps; the step's own time is one of them."""
+    return [*map(_instant, (*step.frame.changes, *step.frame.measurements)), Frame(step.frame.time)]
+
+
+def _by_time(instants: Sequence[Frame]) -> dict[float, Frame]:
+    """Return instants by their times; those of one time are one."""
+    found = dict[float, Frame]()
+    for frame in instants:
+        known = found.get(frame.time, Frame(frame.time))
+        measurements, changes = (*known.measurements, *frame.measurements), (*known.changes, *frame.changes)
+        found[frame.time] = Frame(frame.time, measurements=measurements, changes=changes)
     return found
 
 
-def _count(records: Sequence[Measurement]) -> int:
-    return sum(len(record.robot) for record in records)
+def _count(instants: Sequence[Frame]) -> int:
+    return sum(len(record.robot) for frame in instants for record in frame.measurements)

@@ -43,6 +43,17 @@ class Escapes:
     def __bool__(self) -> bool:
         return bool(self.positions or self.headings)
 
+    def in_force(self, belief: Known) -> int:
+        """Return how many of them a belief has said its guarantee to be in force for: broken promises."""
+        return sum(bool(belief.guarantee.in_force[robot]) for robot in (*self.positions, *self.headings))
+
+
+def escapes_of(belief: Belief | RobustBelief, truth: Truth) -> Escapes:
+    """Return who is outside; nobody whose truth is not known."""
+    placed, turned = np.isfinite(truth.positions).all(axis=1), np.isfinite(truth.headings)
+    within = belief.headings.contains(np.where(turned, truth.headings, 0.0)) | ~turned
+    return Escapes(_missing(inside(belief, truth.positions) | ~placed), _missing(within))
+
 
 @dataclass
 class Metrics:
@@ -122,14 +133,13 @@ class Metrics:
         self._square_errors += ((points(belief) - truth.positions)[placed] ** 2).sum(axis=1).tolist()
         if isinstance(belief, GaussianBelief):
             return Escapes()
-        within = belief.headings.contains(np.where(turned_so, truth.headings, 0.0)) | ~turned_so
-        escaped, turned = _missing(inside(belief, truth.positions) | ~placed), _missing(within)
+        found = escapes_of(belief, truth)
         self.checks += int(placed.sum())
         self.heading_checks += int(turned_so.sum())
-        self.escapes += len(escaped)
-        self.heading_escapes += len(turned)
-        self.escapes_in_force += sum(bool(belief.guarantee.in_force[robot]) for robot in (*escaped, *turned))
-        return Escapes(escaped, turned)
+        self.escapes += len(found.positions)
+        self.heading_escapes += len(found.headings)
+        self.escapes_in_force += found.in_force(belief)
+        return found
 
     @property
     def broken(self) -> bool:

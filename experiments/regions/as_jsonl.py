@@ -10,6 +10,11 @@ from experiments.regions.files import named
 from experiments.regions.rows import Row
 
 
+def text_of(rows: Sequence[Row]) -> str:
+    """Return the lines of a step."""
+    return "".join(json.dumps(row.record(), allow_nan=False) + "\n" for row in rows)
+
+
 class Writer:
     """Writes `regions.jsonl`, a step at a time; a run that is killed leaves every whole step.
 
@@ -24,7 +29,7 @@ class Writer:
     def write(self, rows: Sequence[Row]) -> None:
         """Append a step."""
         with named(self._path):
-            self._file.write("".join(json.dumps(row.record(), allow_nan=False) + "\n" for row in rows))
+            self._file.write(text_of(rows))
             self._file.flush()
 
     def close(self) -> None:

@@ -52,18 +52,19 @@ def too_short(what: str, **counts: tuple[float, float]) -> bool:
     return bool(few)
 
 
-def print_table(title: str, values: Mapping[str, Value]) -> None:
-    """Print a table of names and values to stdout."""
+def print_table(title: str, values: Mapping[str, Value], *, stderr: bool = False) -> None:
+    """Print a table of names and values to stdout, or to stderr where stdout is for other things."""
     table = Table("quantity", "value", title=title, title_justify="left")
     table.columns[1].justify = "right"
     for name, value in values.items():
         table.add_row(name, "-" if value is None else str(value))
-    show_table(table)
+    show_table(table, stderr=stderr)
 
 
-def show_table(table: Table) -> None:
-    """Print the table to stdout, folded to the terminal's width if that is one."""
-    Terminal(width=None if sys.stdout.isatty() else WIDTH).print(table)
+def show_table(table: Table, *, stderr: bool = False) -> None:
+    """Print the table to stdout, or to stderr, folded to the terminal's width if that is one."""
+    stream = sys.stderr if stderr else sys.stdout
+    Terminal(width=None if stream.isatty() else WIDTH, stderr=stderr).print(table)
 
 
 class StepProgress:

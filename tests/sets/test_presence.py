@@ -14,6 +14,7 @@ from filter import (
     AngularIntervals,
     Compass,
     ExtendedKalmanFilter,
+    FixedLag,
     Frame,
     InvalidInput,
     Left,
@@ -153,7 +154,7 @@ def test_a_kalman_filter_starts_anew_with_it():
 def test_a_filter_that_cannot_says_so():
     filter_ = RobustFilter(team_of_two(arena=[[-9, -9], [9, 9]]))
     frames = [Frame(0.0, changes=[Left(0.0, 1)])]
-    with pytest.raises(InvalidInput, match="a filter with changed, for robots that are placed or leave"):
+    with pytest.raises(InvalidInput, match=r"that robots can join and leave.*; came RobustFilter"):
         list(follow(filter_, filter_.start(0.0, [BOX, BOX]), frames))
 
 
@@ -164,6 +165,28 @@ def test_a_stream_has_a_frame_for_it():
     assert [(frame.time, len(frame.changes)) for frame in frames] == [(0.5, 0), (1.0, 1), (2.0, 1)]
     with pytest.raises(InvalidInput, match="robots 0 to 1"):
         list(frames_of(team, 0.0, [Left(1.0, 2)]))
+
+
+@pytest.mark.parametrize("every", [0.0, 1.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_who_comes_and_goes_may_be_told_late(seed, every):
+    world = World(np.random.default_rng(seed), robots=3, landmarks=2)
+    inner = SetMembershipFilter(world.team)
+    start = inner.start(0.0, world.initial_sets(), world.initial_headings())
+    frames, told = frames_with_changes(world, 8)
+    events = [(frame.time, 0, [frame.odometry, *frame.changes, Frame(frame.time)]) for frame in frames]
+    events += [(frame.time + world.rng.uniform(0, 0.9), 1, frame.measurements) for frame in frames if frame.measurements]
+    filter_ = FixedLag(inner, lag=1.0, every=every)
+    lagged = filter_.begin(start)
+    for _, _, records in sorted(events, key=lambda event: event[:2]):
+        lagged = filter_.merge(lagged, records)
+    there, positions, _ = told[-1]
+    assert lagged.belief.guarantee.in_force.tolist() == there.tolist()
+    assert (lagged.belief.regions.contains(positions) | ~there).all()
+    if not every:
+        (*_, last) = follow(inner, start, frames)
+        assert lagged.belief.headings.bound.tobytes() == last.belief.headings.bound.tobytes()
+        assert (lagged.belief.polytope.lower == last.belief.polytope.lower).all()
 
 
 def log_of(path, *lines):
@@ -191,7 +214,8 @@ def test_a_log_in_which_a_robot_joins_leaves_and_comes_back(tmp_path):
         assert [row["time"] for row in rows if row["robot"] == "alice"] == [1.0, 2.0, 3.0, 4.0, 5.0, 5.5, 6.0]
     assert (tmp_path / "sets" / "trajectories" / "bob_filter.tum").read_text().count("\n") == 4
     assert main([str(path), "--out", str(tmp_path / "more"), "--recording", "--against", "ekf"]) == 0
-    assert main([str(path), "--out", str(tmp_path / "no"), "--filter", "robust"]) == 2
+    for options in (["--filter", "robust"], ["--certificates"]):
+        assert main([str(path), "--out", str(tmp_path / "no"), *options]) == 2
     log = LogReader(path)
     with LogWriter(tmp_path / "again.jsonl", log.header, log.initial) as again:
         for frame in log.frames():

@@ -1,0 +1,224 @@
+"""Records as they come, from a pipe or over the network: how soon are they answered by guaranteed regions?
+
+Run `python -m experiments.live --help`, and see docs/live.md. The exit code is the guarantee, as of `experiments.follow`; 3 is
+for a reader of the regions that has closed, 130 for Ctrl-C, after which there is a summary all the same.
+"""
+
+from __future__ import annotations
+
+import gc
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import Annotated
+
+import tyro
+
+from experiments.feeds.answering import Answering, Feed
+from experiments.feeds.answers import Answers
+from experiments.feeds.intake import Batch, Intake, Source
+from experiments.feeds.now import Now, gone_on
+from experiments.feeds.reading import Reading
+from experiments.feeds.sources import source_of
+from experiments.feeds.tally import Tally
+from experiments.feeds.truths import Truths
+from experiments.feeds.words import Words
+from experiments.following.metrics import Value
+from experiments.following.steps import warmed_up
+from experiments.logs import InvalidLog, first_belief
+from experiments.regions import FILES
+from experiments.show.command import STOPPED, SUSPENDED, command
+from experiments.show.output import output_folder, write_summary
+from experiments.show.terminal import print_table, tell
+from filter import Budget, FixedLag, Inconsistent, InvalidInput, Policy, SetMembershipFilter, Team, Window
+
+TURN = 0.0005  # how long Python may keep the reading thread from taking the time of an arrival [s]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Answer records as they come by guaranteed regions.
+
+    Records are lines as docs/log.md has them, the header and the initial sets first. Regions go to standard output and to
+    regions.jsonl, see docs/regions.md; everything else is said on stderr. Exit code 0 only if the guarantee was in force all
+    the time and no truth, where the feed tells it, was outside; 1 for one that was, or for measurements proved to disagree; 4
+    if the guarantee was suspended; 2 for bad input; 3 if regions could not be written, as their reader has closed; 130 for
+    Ctrl-C.
+    """
+
+    source: Annotated[str, tyro.conf.arg(name="from", metavar="-|tcp://HOST:PORT|ws://HOST:PORT")] = "-"
+    """Where records come from: - is standard input; at tcp://HOST:PORT and ws://HOST:PORT connections are waited for, one at a
+    time, and a next one may go on. Without a host only this machine can connect; 0.0.0.0 is for everybody who reaches it."""
+    connections: int | None = None
+    """End after so many connections; by default there is no end but Ctrl-C."""
+    out: Path = Path("runs/live")
+    """Folder for the regions and the summary."""
+    lag: float = 1.0
+    """How late a measurement may be [s]; what is later is refused."""
+    gap: float = 60.0
+    """A stamp that is farther ahead is doubted, and refused; the next one that goes on from it is taken [s]."""
+    every: float = 0.1
+    """So long a time is one step [s]; 0 for a step at every stamp."""
+    budget: float | None = 0.008
+    """How long finding the regions may take [s]; who is not reached in time keeps a larger one. None for no end."""
+    pause: float = 5.0
+    """After so long without any record that is said [s]."""
+    full: bool = False
+    """Take all along from step to step, as experiments.follow does: regions smaller by a percent or so, later answers."""
+    hops: int | None = None
+    """Find each region in the window of the robots so many sightings away, not in the whole team; 1 does for large teams."""
+    policy: Policy = "raise"
+    """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
+    is suspended from then on."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Answer with command-line arguments; return the exit code."""
+    return command("live", Options, run, arguments, stopped="the regions end here, there is no summary")
+
+
+def run(options: Options) -> int:
+    """Answer what comes, to its end; return the exit code.
+
+    Raises:
+        CorralError: An option, the head of the feed or the output folder cannot be used.
+        OSError: Something cannot be written.
+    """
+    _check(options)
+    folder = output_folder(options.out)
+    (folder / FILES["jsonl"]).unlink(missing_ok=True)
+    source = source_of(options.source, options.connections)
+    warmed_up()  # before anything is taken in
+    with _prompt():
+        return Live(options, folder, source).run()
+
+
+def _check(options: Options) -> None:
+    """Refuse numbers that mean nothing; what filters take is checked by them."""
+    if not 0 < options.pause < float("inf"):
+        raise InvalidInput("a pause above 0 s", options.pause)
+    if options.connections is not None and (options.connections < 1 or options.source == "-"):
+        raise InvalidInput("one connection or more, over tcp or ws", options.connections)
+
+
+def filter_of(options: Options, team: Team) -> SetMembershipFilter:
+    """Return the filter that the options ask for; raises `InvalidInput` for numbers that mean nothing."""
+    make = SetMembershipFilter if options.full else SetMembershipFilter.light
+    scope = Window.everybody() if options.hops is None else Window(options.hops)
+    budget = None if options.budget is None else Budget(options.budget, perf_counter)
+    return make(team, scope=scope, policy=options.policy, budget=budget, threads=1)
+
+
+@contextmanager
+def _prompt() -> Iterator[None]:
+    """Let arrivals be noticed at once, and what was loaded never be looked through for garbage."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(TURN)
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+        sys.setswitchinterval(before)
+
+
+class Live:
+    """Listens to a source, and answers until it ends."""
+
+    def __init__(self, options: Options, folder: Path, source: Source) -> None:
+        self._options, self._folder, self._source = options, folder, source
+        self._feed = Feed(Intake(), Reading(source.name), options.pause, Words(), Tally())
+        self._answering: Answering | None = None
+
+    def run(self) -> int:
+        """Answer to the end, write the summary and tell it; return the exit code.
+
+        Raises:
+            InvalidInput: The head of the feed cannot be used, or there is none.
+            OSError: Something cannot be written.
+        """
+        conflict, stopped = None, False
+        self._feed.intake.start(self._source)
+        batch = self._head()
+        header = self._feed.reading.header
+        names = tuple(map(header.team.name, range(header.team.robots)))
+        with Answers(self._folder, names) as answers:
+            self._answering = self._begun(answers)
+            try:
+                self._through(self._answering, batch)
+            except Inconsistent as error:
+                conflict = str(error)
+            except KeyboardInterrupt:
+                stopped = True
+        self._tell(conflict)
+        return STOPPED if stopped else self._exit_code(conflict is not None)
+
+    def _head(self) -> Batch:
+        """Read until the initial sets are known; return what has come after them, together."""
+        batch = Batch()
+        while not self._feed.reading.initial:
+            if batch.ended:
+                raise InvalidLog(Path(self._source.name), 0, "a header and the initial sets", "the end of what came")
+            batch = self._feed.batch()
+            while batch.lines and not self._feed.reading.initial:
+                self._feed.record(batch.lines.pop(0))
+                self._feed.intake.answered(1)
+        return batch
+
+    def _begun(self, answers: Answers) -> Answering:
+        """Start the filter with what the feed began with."""
+        options, reading = self._options, self._feed.reading
+        filter_ = filter_of(options, reading.header.team)
+        restart = partial(gone_on, filter_)
+        lag = FixedLag(filter_, lag=options.lag, gap=options.gap, restart=restart, every=options.every)
+        now = Now(lag, filter_, first_belief(filter_, reading.header, reading.initial))
+        return Answering(self._feed, filter_.team, now, answers, Truths(filter_))
+
+    def _through(self, answering: Answering, batch: Batch) -> None:
+        while True:
+            answering.take(batch.lines)
+            self._feed.intake.answered(len(batch.lines))
+            if batch.ended:
+                return
+            batch = self._feed.batch()
+
+    def _tell(self, conflict: str | None) -> None:
+        """Write the summary, and tell it."""
+        self._feed.words.end()
+        summary = self._summary(conflict)
+        write_summary(self._folder, summary)
+        shown = {name: value for name, value in summary.items() if value is not None}
+        print_table(f"live, in {self._folder}", shown, stderr=True)
+        tally = self._feed.tally
+        if conflict:
+            tell(f"the filter stopped: {conflict}")
+        if tally.suspended is not None:
+            tell(f"the guarantee is {tally.suspended}")
+        if not tally.checks:
+            tell("the feed told no truth: nothing was checked against it")
+
+    def _summary(self, conflict: str | None) -> dict[str, Value]:
+        options, tally, header = self._options, self._feed.tally, self._feed.reading.header
+        answering = self._answering
+        lagged, waiting = (answering.now.lagged, answering.waiting) if answering else (None, 0)
+        tally.unchecked += waiting
+        known: dict[str, Value] = {"robots": header.team.robots, "filter": "sets", "policy": options.policy}
+        known |= {"from": options.source, "every_s": options.every, "lag_s": options.lag, "budget_s": options.budget}
+        late, refused = (lagged.late, lagged.refused + tally.refused) if lagged else (0, 0)
+        return known | tally.summary() | {"late": late, "refused": refused, "inconsistent": conflict}
+
+    def _exit_code(self, conflict: bool) -> int:
+        """Return what the run was worth, as of `experiments.follow`."""
+        tally = self._feed.tally
+        if tally.escapes_in_force or conflict:
+            return 1
+        return 0 if tally.suspended is None else SUSPENDED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

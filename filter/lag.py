@@ -120,8 +120,8 @@ class FixedLag(Frozen, Generic[AnyBelief]):
 
         How late measurements are is counted from the newest that came before. Odometry tells of the time since the oldest step.
         A frame asks for a step at its time; what is measured and driven in it counts, its truth does not. Raises `InvalidInput`
-        if something is no record, `OutOfOrder` for a twist from before the oldest step, and what the inner filter and
-        `Motions.merged` raise; nothing has changed then.
+        if something is no record, `OutOfOrder` for a twist from before the oldest step or odometry that ends one then, and
+        what the inner filter and `Motions.merged` raise; nothing has changed then.
         """
         instance("what is known (see begin)", lagged, Lagged)
         told, instants = _apart(several("records", records, *ARRIVALS))
@@ -139,8 +139,9 @@ class FixedLag(Frozen, Generic[AnyBelief]):
             raise InvalidInput("measurements alone, as a function tells how robots move", type(told[0]).__name__.lower())
         motions, oldest = lagged.motions, steps[0].belief.time
         for record in told:
-            if isinstance(record, Twist) and record.time < oldest and len(steps) > 1:  # it ended one that was relied on
-                raise OutOfOrder("twist", record.time, oldest)
+            if len(steps) > 1 and motions.ends_before(record, oldest):
+                begin = record.start if isinstance(record, Odometry) else record.time
+                raise OutOfOrder(type(record).__name__.lower(), begin, oldest)
             motions = motions.merged(record)
         # Of what goes on in the newest step only that counts, or each of its records would have the step before done again.
         over = steps[-2].belief.time if self.every and len(steps) > 1 else -np.inf

@@ -6,7 +6,7 @@ between two times; cut, where one reaches beyond; and filled up by the robot's l
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -37,10 +37,12 @@ class Motions(Frozen):
         team: The robots and their limits.
         parts: (m, COLUMNS) robot, start and end [s], and then the columns of `Odometry` in their order, and whether it may be
             cut as one likes; by robots, and then in order of time.
+        twisted: Of which robots a twist has told.
     """
 
     team: Team = field(metadata=checked(instance, "team", Team))
     parts: Array = field(default_factory=_no_parts)
+    twisted: frozenset[int] = frozenset()
 
     def merged(self, record: Odometry | Twist) -> Motions:
         """Return what is known after one more record, of whatever time; a robot's next one ends its twists before.
@@ -59,12 +61,21 @@ class Motions(Frozen):
         if len(late):
             robot, begins, ends = self.team.name(int(parts[late[0], ROBOT])), parts[late[0] + 1, START], parts[late[0], TIME]
             raise InvalidInput(f"odometry of {robot} that begins at {ends.item()!r} s or later", f"{begins.item()!r} s")
-        return Motions(self.team, parts)
+        return Motions(self.team, parts, self.twisted.union(record.robot.tolist() if isinstance(record, Twist) else ()))
+
+    def ends_before(self, record: Odometry | Twist, time: float) -> bool:
+        """Return whether a record begins before a time [s], and can end a twist then: what was said of that time may be wrong.
+
+        Of robots that never had a twist there is none to end.
+        """
+        if isinstance(record, Twist):
+            return record.time < time
+        return record.start < time and not self.twisted.isdisjoint(record.robot.tolist())
 
     def since(self, time: float) -> Motions:
         """Return what is known of the time after one [s]."""
         kept = self.parts[:, TIME] > number("time [s]", time)
-        return self if kept.all() else Motions(self.team, self.parts[kept])
+        return self if kept.all() else replace(self, parts=self.parts[kept])
 
     def between(self, start: float, time: float) -> Odometry | None:
         """Return how robots moved from one time to another [s]; None where nothing is known of any, or no time passes.

@@ -33,7 +33,7 @@ def frames_of(team: Team, start: float, arrivals: Iterable[Arrival], hold: float
         hold: How late a record may be, from 0 on [s].
 
     Raises:
-        OutOfOrder: A record is older than a frame that is done, or than the start.
+        OutOfOrder: A record is older than a frame that is done, or than the start, or ends a twist that such a frame relied on.
         InvalidInput: Something is no such record, or names an unknown robot or landmark, or odometry overlaps.
     """
     instance("team", team, Team)
@@ -73,7 +73,7 @@ class _Stream:
         if is_done and not (self._first and (record.time == self._done or isinstance(record, Twist))):
             raise OutOfOrder(type(record).__name__.lower(), record.time, self._done)
         if isinstance(record, Odometry | Twist):
-            self._motions = self._motions.merged(record)
+            self._drive(record)
             return
         if record.time not in self._waiting:
             heappush(self._times, record.time)
@@ -86,11 +86,16 @@ class _Stream:
             asked.measurements.append(record)
             return
         if record.odometry is not None:
-            self._motions = self._motions.merged(record.odometry)
+            self._drive(record.odometry)
         asked.measurements += record.measurements
         asked.changes += record.changes
         if record.truth is not None:
             asked.truth = record.truth if asked.truth is None else _both(asked.truth, record.truth)
+
+    def _drive(self, record: Odometry | Twist) -> None:
+        if not self._first and isinstance(record, Odometry) and self._motions.ends_before(record, self._done):
+            raise OutOfOrder("odometry", record.start, self._done)
+        self._motions = self._motions.merged(record)
 
     def _ended(self, old: float) -> Iterator[Frame]:
         """Yield the frames that are older than what may be late."""

@@ -16,6 +16,7 @@ from experiments.following.metrics import Value
 from experiments.logs import tum_line
 from filter import Array, Frame, GaussianBelief, InvalidInput, Team
 
+KINDS = ("filter", "truth", "ekf")  # of trajectories
 FRAMES_KEPT = 100  # so many are written at a time: a file for each of many robots cannot be open all along
 
 
@@ -69,8 +70,8 @@ class Trajectories:
         self._team = team
         self._folder = folder / "trajectories"
         self._folder.mkdir(exist_ok=True)
-        for old in self._folder.glob("r*_*.tum"):
-            old.unlink()
+        for old in [*self._folder.glob("r*_*.tum"), *(path for kind in KINDS for path in self._folder.glob(f"*_{kind}.tum"))]:
+            old.unlink(missing_ok=True)
         self._lines: dict[str, list[str]] = defaultdict(list)
         self._frames = 0
 

@@ -91,15 +91,19 @@ def test_a_twist_that_ended_another_one_too_long_ago_is_told():
     """What was made of the other one in the meantime relied on that it held."""
     twists = [Twist(time, 0, 0.2, 0.01, 0.0, 0.02, 0.05, 0.0, 9.0) for time in (-1.0, 0.0, 0.5)]
     compasses = [Compass(time, 0, 0.0, 0.1) for time in (1.0, 4.0)]
-    assert len(list(frames_of(TEAM, 0.0, [*twists, *compasses]))) == 2
-    with pytest.raises(OutOfOrder, match=r"twist at 0\.5 s"):
-        list(frames_of(TEAM, 0.0, [*twists[:2], *compasses, twists[2]]))
+    driven = Odometry(0.5, 4.5, 0, 0.1, 0.1, 0.0, 0.1, 0.0, 0.0)
+    for record, said in ((twists[2], r"twist at 0\.5 s"), (driven, r"odometry at 0\.5 s")):
+        assert len(list(frames_of(TEAM, 0.0, [*twists[:2], record, *compasses]))) == 2
+        with pytest.raises(OutOfOrder, match=said):
+            list(frames_of(TEAM, 0.0, [*twists[:2], *compasses, record]))
+    assert len(list(frames_of(TEAM, 0.0, [*compasses, driven]))) == 2  # where no twist was, the limits were relied on
     lag = FixedLag(SetMembershipFilter(TEAM), lag=1.0)
     lagged = lag.begin(lag.inner.start(0.0, [Polygon.box([0, 0], [1, 1])] * 2))
     for record in [*twists[:2], *compasses]:
         lagged = lag.merge(lagged, [record])
-    with pytest.raises(OutOfOrder, match=r"twist at 0\.5 s"):
-        lag.merge(lagged, [twists[2]])
+    for record, said in ((twists[2], r"twist at 0\.5 s"), (driven, r"odometry at 0\.5 s")):
+        with pytest.raises(OutOfOrder, match=said):
+            lag.merge(lagged, [record])
 
 
 def test_truth_comes_with_the_frame_of_its_time():

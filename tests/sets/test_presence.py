@@ -207,7 +207,7 @@ def test_a_log_in_which_a_robot_joins_leaves_and_comes_back(tmp_path):
     lines = [ALICE, *measured(1.0, mate=False), bob(2.0), *measured(2.0), {"record": "leave", "time": 3.0, "robot": "bob"}]
     lines += [*measured(4.0, mate=False), bob(5.0), *measured(5.5), {"record": "frame", "time": 6.0}]
     path = log_of(tmp_path / "log.jsonl", *lines)
-    for form, every, code in (("ekf", [], 4), ("sets", ["--every", "0"], 0)):
+    for form, every, code in (("ekf", [], 4), ("sets", ["--every", "0"], 0), ("sets", ["--every", "0"], 0)):
         assert main([str(path), "--out", str(tmp_path / form), "--filter", form, *every]) == code
         rows = [json.loads(line) for line in (tmp_path / form / "regions.jsonl").read_text().splitlines()]
         assert [row["time"] for row in rows if row["robot"] == "bob"] == [2.0, 5.0, 5.5, 6.0]

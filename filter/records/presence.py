@@ -7,7 +7,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.records.record import TIME
 
-WHO = checked(whole_number, "robot")
+ONE_ROBOT = checked(whole_number, "robot")
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Placed(Frozen):
     """
 
     time: float = field(metadata=TIME)
-    robot: int = field(metadata=WHO)
+    robot: int = field(metadata=ONE_ROBOT)
     polygon: Polygon | None = field(default=None, metadata=checked(instance, "a polygon", Polygon, type(None)))
     heading: AngularIntervals | None = field(default=None, metadata=checked(instance, "an arc", AngularIntervals, type(None)))
 
@@ -39,7 +39,7 @@ class Left(Frozen):
     """
 
     time: float = field(metadata=TIME)
-    robot: int = field(metadata=WHO)
+    robot: int = field(metadata=ONE_ROBOT)
 
 
 Change = Placed | Left

@@ -24,7 +24,7 @@ from filter.sensing.readings import Readings
 TANGENTS = CORNERS - 2
 PLACES = np.concatenate([[0.0], np.arange(1, 2 * TANGENTS, 2) / TANGENTS, [2.0]])
 TOUCH = np.concatenate([[0.0], np.full(TANGENTS, 1 / TANGENTS), [0.0]])
-SIDES = 8  # of what stands for the disc of a slip
+CORNERS_OF_SLIP = 8  # of what stands for its disc
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +79,8 @@ class Arms(Frozen):
         corners, size = ways.vertices[reading], np.abs(ways.vertices[reading]).sum(axis=1).max()
         if not size and not ways.slip[reading]:
             return corners[:1]
-        angle = 2 * np.pi * np.arange(SIDES) / SIDES
-        around = np.stack([np.cos(angle), np.sin(angle)], axis=1) / np.cos(np.pi / SIDES)
+        angle = 2 * np.pi * np.arange(CORNERS_OF_SLIP) / CORNERS_OF_SLIP
+        around = np.stack([np.cos(angle), np.sin(angle)], axis=1) / np.cos(np.pi / CORNERS_OF_SLIP)
         radius = ways.slip[reading] + 16 * EPSILON * (size + ways.slip[reading])
         return hull_of(np.add(corners[:, None], radius * around).reshape(-1, 2))
 

@@ -254,3 +254,18 @@ def test_no_folder_is_too_full(place):
 @pytest.mark.parametrize("path", sorted((ROOT / "experiments").glob("[!_]*.py")), ids=lambda path: path.stem)
 def test_experiments_are_commands_and_their_parts_are_in_folders(path):
     assert "\ndef main(" in path.read_text()
+
+
+def test_types_and_constants_of_the_filter_have_one_home_each():
+    homes = {}
+    for path in sorted((ROOT / "filter").rglob("*.py")):
+        for node in ast.parse(path.read_text()).body:
+            names = [node.name] if isinstance(node, ast.ClassDef) else []
+            if isinstance(node, ast.Assign | ast.AnnAssign):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names = [
+                    each.id for each in targets if isinstance(each, ast.Name) and re.fullmatch(r"[A-Z][A-Z0-9_]+", each.id)
+                ]
+            for name in names:
+                homes.setdefault(name, set()).add(path.relative_to(ROOT).as_posix())
+    assert {name: places for name, places in homes.items() if len(places) > 1} == {}

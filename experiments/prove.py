@@ -8,8 +8,8 @@ robot with the proof of every edge, and the regions as the recording, the trajec
 proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
 (`experiments.proof.chain`). What is on trust is said first.
 
-Exit code: 0 if everything is proved, 1 if something is not or a file is damaged, 2 if a file is not there, 3 if the verdict
-cannot be written.
+Exit code: 0 if everything is proved, 1 if something is not, or a file is damaged or is not there, 2 if there are no
+certificates at all, 3 if the verdict cannot be written.
 """
 
 import argparse
@@ -119,13 +119,15 @@ def judged(folder: Path) -> tuple[int, str]:
     """Return the exit code and the verdict on a folder.
 
     Raises:
-        OSError: There is no such file.
+        OSError: There are no certificates, or a file cannot be read.
     """
+    (folder / LINES).stat()
     try:
         counts = prove(folder, _show)
-    except Broken as error:
+    except (Broken, FileNotFoundError) as error:
         _show("\n")
-        return 1, f"not proved: {str(error).encode('unicode_escape').decode()}"  # a file may say what a terminal obeys
+        said = str(error) if isinstance(error, Broken) else f"{os.path.relpath(error.filename, folder)} is not there"
+        return 1, f"not proved: {said.encode('unicode_escape').decode()}"  # a file may say what a terminal obeys
     by_trust = sorted(counts.items(), key=lambda one: (not one[0].startswith(TRUST), one[0]))
     return 0, "\n".join(
         [*(f"{count:8d} {name}" for name, count in by_trust), f"{counts['certificates']} certificates proved, 0 failed"]

@@ -174,11 +174,17 @@ def test_a_box_that_did_not_grow_is_refused(copy, capsys):
     assert "box lies" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["log.jsonl", "summary.json", *FILES, "trajectories/r1_filter.tum", "moving_team.rrd"])
-def test_a_file_that_is_not_there_is_bad_input(copy, name, capsys):
-    (copy / name).unlink()
+def test_a_folder_without_certificates_is_bad_input(copy, capsys):
+    (copy / prove.LINES).unlink()
     assert prove.main([str(copy)]) == 2
-    assert capsys.readouterr().err.strip().endswith(f"error: {copy / name}: No such file or directory")
+    assert capsys.readouterr().err.strip().endswith(f"error: {copy / prove.LINES}: No such file or directory")
+
+
+@pytest.mark.parametrize("name", ["log.jsonl", "summary.json", *FILES[1:], "trajectories/r1_filter.tum", "moving_team.rrd"])
+def test_a_run_of_which_a_file_is_not_there_is_not_proved(copy, name, capsys):
+    (copy / name).unlink()
+    assert prove.main([str(copy)]) == 1
+    assert capsys.readouterr().out == f"not proved: {name} is not there\n"
 
 
 def test_a_trajectory_of_nobody_is_no_part_of_a_run(copy, capsys):

@@ -29,9 +29,10 @@ from experiments.feeds.truths import Truths
 from experiments.feeds.words import Words
 from experiments.following.metrics import Value
 from experiments.following.steps import warmed_up
+from experiments.keeping.running import exit_code
 from experiments.logs import InvalidLog, first_belief
 from experiments.regions import FILES
-from experiments.show.command import STOPPED, SUSPENDED, command
+from experiments.show.command import STOPPED, command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, tell
 from filter import Budget, FixedLag, Inconsistent, InvalidInput, Policy, SetMembershipFilter, Team, Window
@@ -156,7 +157,7 @@ class Live:
             except KeyboardInterrupt:
                 stopped = True
         self._tell(conflict)
-        return STOPPED if stopped else self._exit_code(conflict is not None)
+        return STOPPED if stopped else exit_code(self._feed.tally, conflict is not None)
 
     def _head(self) -> Batch:
         """Read until the initial sets are known; return what has come after them, together."""
@@ -165,8 +166,8 @@ class Live:
             if batch.ended:
                 raise InvalidLog(Path(self._source.name), 0, "a header and the initial sets", "the end of what came")
             batch = self._feed.batch()
-            while batch.lines and not self._feed.reading.initial:
-                self._feed.record(batch.lines.pop(0))
+            while batch.lines and not self._feed.reading.initial and self._feed.record(batch.lines[0]) is None:
+                del batch.lines[0]
                 self._feed.intake.answered(1)
         return batch
 
@@ -211,13 +212,6 @@ class Live:
         known |= {"from": options.source, "every_s": options.every, "lag_s": options.lag, "budget_s": options.budget}
         late, refused = (lagged.late, lagged.refused + tally.refused) if lagged else (0, 0)
         return known | tally.summary() | {"late": late, "refused": refused, "inconsistent": conflict}
-
-    def _exit_code(self, conflict: bool) -> int:
-        """Return what the run was worth, as of `experiments.follow`."""
-        tally = self._feed.tally
-        if tally.escapes_in_force or conflict:
-            return 1
-        return 0 if tally.suspended is None else SUSPENDED
 
 
 if __name__ == "__main__":

@@ -78,7 +78,7 @@ class GaussianBelief(Frozen):
     mean: Array = field(metadata=checked(finite, "mean"))
     covariance: Array = field(metadata=checked(finite, "covariance"))
     rejected: int = field(default=0, metadata=checked(whole_number, "rejected"))
-    away: frozenset[int] = frozenset()
+    away: frozenset[int] = field(default=frozenset(), metadata=checked(instance, "robots that are away", frozenset))
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,11 +1,11 @@
 """Whether what a filter says is guaranteed: for which robots it is not, since when, and why."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask
+from filter.arrays import Array, Frozen, Mask, checked, instance
 from filter.records.odometry import Odometry
 
 
@@ -21,7 +21,7 @@ class Guarantee(Frozen):
 
     suspended_since: Array
     because: tuple[str, ...]
-    away: frozenset[int] = frozenset()
+    away: frozenset[int] = field(default=frozenset(), metadata=checked(instance, "robots that are away", frozenset))
 
     @classmethod
     def full(cls, robots: int) -> Self:

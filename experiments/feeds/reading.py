@@ -8,10 +8,9 @@ from pathlib import Path
 from experiments.feeds.intake import Line
 from experiments.feeds.lines import MOST
 from experiments.logs import Header, InitialSet, InvalidLog, Record
-from experiments.logs.reading.bodies import bodies_of
 from experiments.logs.reading.fast import Fast
 from experiments.logs.reading.fields import Fields
-from experiments.logs.reading.heads import read_header, read_initial
+from experiments.logs.reading.heads import InitialSets, read_header
 from experiments.logs.reading.strict import Strict
 from filter import InvalidInput
 
@@ -27,7 +26,6 @@ class Reading:
         """Prepare for lines of a source of that name."""
         self._name, self._said = name, set[bytes]()
         self._header: Header | None = None
-        self._found = dict[int, InitialSet]()
         self.initial: tuple[InitialSet, ...] = ()
 
     @property
@@ -50,29 +48,31 @@ class Reading:
         text = line.text.removeprefix(BOM_UTF8)
         if not text.strip() or text.strip() in self._said:  # who connects again says the same once more
             return None
-        if self.initial:
-            record = self._fast.read(text)
-            return self._strict.read(Fields.parse(text)) if record is None else record
-        try:
-            self._begin(text)
-        except InvalidInput as error:
-            raise InvalidLog(Path(self._name), line.number, error.expected, error.came) from None
-        self._said.add(text.strip())
-        return None
+        if not self.initial and self._is_head(text, line.number):
+            self._said.add(text.strip())
+            return None
+        record = self._fast.read(text)
+        return self._strict.read(Fields.parse(text)) if record is None else record
 
     def _refused(self, line: Line) -> None:
         """Refuse a line that is too long if it is of the head."""
         if not self.initial:
             raise InvalidLog(Path(self._name), line.number, f"a line of at most {MOST} bytes", "a longer one")
 
-    def _begin(self, text: bytes) -> None:
-        """Read a line of the head."""
-        if self._header is None:
-            self._header = read_header(Fields.parse(text))
-            self._fast, self._strict = Fast(self._header), Strict(self._header)
-            return
-        robots, _ = bodies_of(self._header)
-        robot, known = read_initial(Fields.parse(text), robots, self._found)
-        self._found[robot] = known
-        if len(self._found) == robots.count:
-            self.initial = tuple(self._found[robot] for robot in range(robots.count))
+    def _is_head(self, text: bytes, number: int) -> bool:
+        """Take in a line of the head; return whether it is one."""
+        try:
+            record = Fields.parse(text)
+            if self._header is None:
+                self._begin(record)
+                return True
+            taken = self._sets.take(record)
+        except InvalidInput as error:
+            raise InvalidLog(Path(self._name), number, error.expected, error.came) from None
+        if not taken or self._sets.are_all_there:
+            self.initial = self._sets.sets()
+        return taken
+
+    def _begin(self, record: Fields) -> None:
+        self._header = header = read_header(record)
+        self._sets, self._fast, self._strict = InitialSets(header), Fast(header), Strict(header)

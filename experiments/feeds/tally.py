@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from experiments.feeds.spread import Spread
-from experiments.following.metrics import Escapes, Value, escapes_of, guarantee_summary, rounded
-from filter import Belief, Guarantee, Measurement, Truth
+from experiments.following.checks import Checks
+from experiments.following.located import there
+from experiments.following.metrics import Value, guarantee_summary, rounded
+from filter import Belief, Measurement
 
 
 @dataclass
-class Tally:
+class Tally(Checks):
     """Counts and collects; what has the name of a quantity of `Metrics` is the same here.
 
     Attributes:
@@ -32,13 +34,6 @@ class Tally:
     unchecked: int = 0
     behind: float = 0.0
     answered: Spread = field(default_factory=Spread)
-    measurements: int = 0
-    suspended: Guarantee | None = None
-    checks: int = 0
-    escapes: int = 0
-    heading_checks: int = 0
-    heading_escapes: int = 0
-    escapes_in_force: int = 0
     _areas: Spread = field(default_factory=Spread)
     _seconds: Spread = field(default_factory=Spread)
     _lead: float = np.inf
@@ -46,34 +41,23 @@ class Tally:
     def add(self, belief: Belief, seconds: float, now: float) -> None:
         """Take in what was known after a batch, how long that took and when it was written, by the clock of the process [s]."""
         self._seconds.add(seconds)
-        for area in belief.regions.outer.areas.tolist():
+        self.promised(belief)
+        for area in belief.regions.outer.areas[there(belief)].tolist():
             self._areas.add(area)
-        if self.suspended is None and not belief.guarantee.in_force.all():
-            self.suspended = belief.guarantee
         self._lead = min(self._lead, now - belief.time)
         self.behind = max(self.behind, now - belief.time - self._lead)
 
     def count(self, record: object) -> None:
         """Count a record."""
         self.records += 1
-        self.measurements += len(record.robot) if isinstance(record, Measurement) else 0
-
-    def check(self, belief: Belief, truth: Truth) -> Escapes:
-        """Hold what was known against the truth; return who was outside."""
-        found = escapes_of(belief, truth)
-        self.checks += int(np.isfinite(truth.positions).all(axis=1).sum())
-        self.heading_checks += int(np.isfinite(truth.headings).sum())
-        self.escapes += len(found.positions)
-        self.heading_escapes += len(found.headings)
-        self.escapes_in_force += found.in_force(belief)
-        return found
+        if isinstance(record, Measurement):
+            self.measured(record)
 
     def summary(self) -> dict[str, Value]:
         """Return flat values with units in their names; None for what nothing is known of."""
-        checks = ("checks", "escapes", "heading_checks", "heading_escapes", "escapes_in_force")
         lines = ("records", "malformed", "too_long")
         return {
-            **{name: getattr(self, name) for name in checks},
+            **self.counts(),
             "truth_unchecked": self.unchecked,
             **guarantee_summary(self.suspended),
             **{name: getattr(self, name) for name in lines},

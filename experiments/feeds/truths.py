@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import cast
+
+import numpy as np
 
 from experiments.feeds.now import Now
 from experiments.logs import TruthAt
 from experiments.logs.gathering import arrival_of
-from filter import Belief, Frame, SetMembershipFilter
+from filter import Belief, Frame, SetMembershipFilter, Truth
 
 AT_ONCE = 2  # so many instants are checked after a batch: what is measured comes first
 KEPT = 64  # answers, and truths that wait
+
+Change = tuple[float, int]  # time [s] and robot
 
 
 class Truths:
@@ -20,7 +25,7 @@ class Truths:
 
     def __init__(self, filter_: SetMembershipFilter) -> None:
         self._filter = filter_
-        self._waiting, self._answers = deque[Frame](), deque[Belief](maxlen=KEPT)
+        self._waiting, self._answers = deque[Frame](), deque[tuple[Belief, set[Change]]](maxlen=KEPT)
 
     def add(self, record: TruthAt) -> None:
         """Take truth in; it waits until the filter has come to its stamp."""
@@ -32,11 +37,11 @@ class Truths:
         Raises:
             Inconsistent: A robot has left the arena for sure.
         """
-        self._answers.append(now.belief)
+        self._answers.append((now.belief, _changes(now)))
         come = [frame for frame in self._waiting if frame.time <= now.belief.time]
         later = [frame for frame in self._waiting if frame.time > now.belief.time]
         self._waiting = deque(later[-KEPT:])
-        found = [(belief, frame) for frame in come[-AT_ONCE:] for belief in self._then(now, frame.time)]
+        found = [each for frame in come[-AT_ONCE:] for each in self._then(now, frame)]
         return found, len(come) - len(found) + max(0, len(later) - KEPT)
 
     @property
@@ -44,13 +49,28 @@ class Truths:
         """How many truths wait for what the filter has not come to."""
         return len(self._waiting)
 
-    def _then(self, now: Now, time: float) -> Iterator[Belief]:
-        """Yield what is known of a time, if anything: motion is known since the oldest step."""
-        before = [belief for belief in self._answers if now.lagged.steps[0].belief.time <= belief.time <= time]
+    def _then(self, now: Now, frame: Frame) -> Iterator[tuple[Belief, Frame]]:
+        """Yield what was known of a frame's time, if anything: motion is known since the oldest step.
+
+        The truth of who has come or gone until then, as is known only now, is left out: it may have been carried.
+        """
+        oldest = now.lagged.steps[0].belief.time
+        before = [answer for answer in self._answers if oldest <= answer[0].time <= frame.time]
         if not before:
             return
-        last = before[-1]
-        if last.time == time:
-            yield last
-            return
-        yield self._filter.predict(last, time, now.motions.between(last.time, time))
+        last, known = before[-1]
+        carried = [robot for time, robot in _changes(now) - known if time <= frame.time]
+        if last.time < frame.time:
+            last = self._filter.predict(last, frame.time, now.motions.between(last.time, frame.time))
+        yield last, replace(frame, truth=frame.truth and _without(frame.truth, carried))
+
+
+def _changes(now: Now) -> set[Change]:
+    """Return who has come or gone in the steps that are kept, and when."""
+    return {(change.time, change.robot) for step in now.lagged.steps for change in step.frame.changes}
+
+
+def _without(truth: Truth, robots: Sequence[int]) -> Truth:
+    positions, headings = truth.positions.copy(), truth.headings.copy()
+    positions[robots], headings[robots] = np.nan, np.nan
+    return Truth(positions, headings)

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.following.checks import Escapes
 from experiments.following.located import outers
-from experiments.following.metrics import Escapes
 from experiments.following.scenarios import Scenario
 from experiments.following.steps import Contacts
 from experiments.keeping.running import Keeper, Moment

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from experiments.following.beside import Beside
-from experiments.following.metrics import Escapes, Metrics, Value
+from experiments.following.checks import Checks, Escapes
+from experiments.following.metrics import Metrics, Value
 from experiments.following.scenarios import Scenario
 from experiments.following.steps import steps
 from experiments.logs import LogWriter
@@ -102,8 +103,8 @@ class Running:
         return Moment(step, escapes, self.beside.estimate(step.frame) if self.beside else None)
 
 
-def exit_code(metrics: Metrics, conflict: bool) -> int:
+def exit_code(checks: Checks, conflict: bool) -> int:
     """Return what a run was worth: 1 for a broken promise, else `SUSPENDED` if nothing was promised for a while, else 0."""
-    if metrics.broken or conflict:
+    if checks.broken or conflict:
         return 1
-    return 0 if metrics.suspended is None else SUSPENDED
+    return 0 if checks.suspended is None else SUSPENDED

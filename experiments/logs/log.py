@@ -16,12 +16,11 @@ from types import TracebackType
 from typing import Any
 
 from experiments.logs.gathering import Gathering, OwnStamp, arrival_of
-from experiments.logs.reading.bodies import bodies_of
 from experiments.logs.reading.fast import Fast
 from experiments.logs.reading.fields import Fields
-from experiments.logs.reading.heads import read_header, read_initial
+from experiments.logs.reading.heads import InitialSets, read_header
 from experiments.logs.reading.strict import Strict
-from experiments.logs.records import FIRST, Header, InitialSet, Record
+from experiments.logs.records import Header, InitialSet, Record
 from experiments.logs.text import TextFile
 from experiments.logs.writing import frame_objects, header_object, initial_object, object_of
 from filter import Arrival, Frame, InvalidInput, OutOfOrder, frames_of
@@ -114,20 +113,16 @@ class LogReader:
         self._fast, self._strict = Fast(self.header), Strict(self.header)
 
     def _initial(self, lines: Iterator[tuple[int, bytes]], place: _Place) -> tuple[InitialSet, ...]:
-        """Return the initial sets; in version 2 a robot without one is not there yet."""
-        robots, _ = bodies_of(self.header)
-        found: dict[int, InitialSet] = {}
+        sets = InitialSets(self.header)
         self._head = place.line
-        while len(found) < robots.count:
+        while not sets.are_all_there:
             place.line, text = next(lines, (place.line, b""))
             if not text:
-                raise InvalidInput(f"{robots.count} initial sets", f"{len(found)}, then the end of the file")
-            record = Fields.parse(text)
-            if self.header.version != FIRST and (record.kind != "initial" or record.has("time")):
+                raise sets.missing()
+            if not sets.take(Fields.parse(text)):
                 break
-            robot, known = read_initial(record, robots, found)
-            found[robot], self._head = known, place.line
-        return tuple(found.get(robot, InitialSet(there=False)) for robot in range(robots.count))
+            self._head = place.line
+        return sets.sets()
 
     def records(self) -> Iterator[Record]:
         """Yield the records after the initial sets, in the order of their lines, reading as it goes.

@@ -15,6 +15,7 @@ BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
 
 
 def _numbers(name: str, values: Floats) -> Integers:
+    # Few say which sensor measured: all others shall not pay for it.
     return CENTRE if values is CENTRE else whole(name, values, AT_THE_CENTRE)
 
 

@@ -148,6 +148,38 @@ def test_after_a_jump_of_stamps_robots_have_moved_within_their_limits(live, line
     assert summary["refused"] > 0
 
 
+def test_robots_may_join_leave_and_come_back_wherever_they_have_been(live):
+    """Whoever is carried is not followed on its way, and nothing is held against that."""
+
+    def told(record, time, **fields):
+        return (json.dumps({"record": record, "time": time, **fields}) + "\n").encode()
+
+    def bob(time, x):
+        return told("initial", time, robot="bob", vertices=[[x - 1, -1], [x + 1, -1], [x, 1]], heading=None)
+
+    def truth(time, x):
+        return told("truth", time, positions=[[0, 0], [x, 0]], headings=[0, 0])
+
+    head = {"record": "header", "format": "corral-log", "version": 2, "robots": ["alice", "bob"], "landmarks": [[0, 2]]}
+    head |= {"arena": [[None, None], [None, None]], "speed_limit": 0.5, "turn_rate_limit": 1.5, "start": 0.0}
+    alice = {"record": "initial", "robot": "alice", "vertices": [[-1, -1], [1, -1], [0, 1]], "heading": None}
+    seen = [told("range", 0.2 * k, robot="alice", landmark=0, range=2.0, bound=0.1, relative_bound=0) for k in range(1, 41)]
+    between = {2: truth(0.5, 70), 5: bob(1.1, 8), 6: truth(1.3, 8), 10: told("leave", 2.1, robot="bob")}
+    between |= {12: truth(2.5, -30), 20: bob(4.1, -9), 21: truth(4.3, -9), 30: bob(6.1, 50), 31: truth(6.3, 50)}
+    lines = [json.dumps(each).encode() + b"\n" for each in (head, alice)]
+    for k, line in enumerate(seen):
+        lines += [line, *([between[k]] if k in between else [])]
+    code, rows, summary, said = live(b"".join(lines), options=["--lag", "3"])
+    assert code == 0, said
+    assert (summary["escapes"], summary["heading_escapes"], summary["guarantee_in_force"]) == (0, 0, True)
+    assert (summary["malformed"], summary["refused"]) == (0, 0)
+    assert summary["checks"] >= 4
+    times = [row["time"] for row in rows if row["robot"] == "bob"]
+    assert min(times) >= 1.1
+    assert not [time for time in times if 2.5 <= time < 4.1]  # that it had left was told late
+    assert max(times) > 7
+
+
 @pytest.mark.parametrize("data", [b"", b"\n\n", b"no header\n", b'{"record": "frame", "time": 0}\n'])
 def test_a_feed_without_head_ends_with_2(live, data):
     code, rows, summary, said = live(data)

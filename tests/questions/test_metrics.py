@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from experiments.following.metrics import Metrics
-from filter import Bearing, Compass, Frame, Truth
+from filter import Bearing, Compass, Frame, Position, Truth
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
@@ -164,3 +164,18 @@ def test_where_nothing_is_known_from_inside_there_is_no_ratio():
     metrics.add(frame_of([[0, 0], [5, 0]]), belief_of(APART), 0.01)
     assert metrics.summary()["performance_ratio_mean"] is None
     assert metrics.summary()["performance_ratio_min"] is None
+
+
+def test_of_a_robot_that_is_away_nothing_is_checked_and_nothing_counted():
+    metrics, belief = Metrics(), belief_of(APART)
+    metrics.add(frame_of([[9, 0], [90, 0]], (0.0, 3.0)), replace(belief, guarantee=belief.guarantee.without(1)), 0.01)
+    assert (metrics.checks, metrics.escapes, metrics.heading_checks, metrics.suspended) == (1, 1, 1, None)
+    assert metrics.summary()["outer_area_mean_m2"] == 4.0
+    assert metrics.summary()["point_rmse_m"] == 9.0
+
+
+def test_a_position_is_one_measurement_of_a_robot_however_many_sides_it_has():
+    metrics = Metrics()
+    records = [Position.fix(0.0, 1, [5, 0], 1), Position.disc(0.0, 0, [0, 0], 1, 32), Compass(0.0, [0, 1], 0.0, 0.1)]
+    metrics.add(frame_of([[0, 0], [5, 0]], measurements=records), belief_of(APART), 0.01)
+    assert metrics.measurements == 4

@@ -205,7 +205,8 @@ def measured(time, mate=True):
 
 def test_a_log_in_which_a_robot_joins_leaves_and_comes_back(tmp_path):
     lines = [ALICE, *measured(1.0, mate=False), bob(2.0), *measured(2.0), {"record": "leave", "time": 3.0, "robot": "bob"}]
-    lines += [*measured(4.0, mate=False), bob(5.0), *measured(5.5), {"record": "frame", "time": 6.0}]
+    truth = {"record": "truth", "time": 4.0, "positions": [[0, 0], [70, 70]], "headings": [0, 3]}  # it was carried away
+    lines += [*measured(4.0, mate=False), truth, bob(5.0), *measured(5.5), {"record": "frame", "time": 6.0}]
     path = log_of(tmp_path / "log.jsonl", *lines)
     for form, every, code in (("ekf", [], 4), ("sets", ["--every", "0"], 0), ("sets", ["--every", "0"], 0)):
         assert main([str(path), "--out", str(tmp_path / form), "--filter", form, *every]) == code
@@ -213,6 +214,8 @@ def test_a_log_in_which_a_robot_joins_leaves_and_comes_back(tmp_path):
         assert [row["time"] for row in rows if row["robot"] == "bob"] == [2.0, 5.0, 5.5, 6.0]
         assert [row["time"] for row in rows if row["robot"] == "alice"] == [1.0, 2.0, 3.0, 4.0, 5.0, 5.5, 6.0]
     assert (tmp_path / "sets" / "trajectories" / "bob_filter.tum").read_text().count("\n") == 4
+    summary = json.loads((tmp_path / "sets" / "summary.json").read_text())
+    assert (summary["checks"], summary["escapes"], summary["heading_escapes"]) == (1, 0, 0)
     assert main([str(path), "--out", str(tmp_path / "more"), "--recording", "--against", "ekf"]) == 0
     for options in (["--filter", "robust"], ["--certificates"]):
         assert main([str(path), "--out", str(tmp_path / "no"), *options]) == 2

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
-from experiments.logs.reading.bodies import Bodies
+from experiments.logs.reading.bodies import bodies_of
 from experiments.logs.reading.fields import Fields
 from experiments.logs.records import FIRST, FORMAT, SECOND, Header, InitialSet
 from filter import Array, InvalidInput, Sensor, Team
@@ -65,19 +64,41 @@ def _sensor(name: str, fields: Fields) -> Sensor:
     return Sensor(name, place, **numbers)
 
 
-def read_initial(record: Fields, robots: Bodies, known: Collection[int]) -> tuple[int, InitialSet]:
-    """Return a robot of the team and its initial set.
+class InitialSets:
+    """Gathers the initial sets that follow a header; in version 2 a robot without one is not there yet."""
 
-    Raises:
-        InvalidInput: The robot's set is known already, or a field is not as it should be.
-    """
-    record.expect("initial")
-    robot = record.robot(robots)
-    if robot in known:
-        raise InvalidInput("one initial set a robot", f"robot {robot} again")
-    found = read_set(record)
-    record.end()
-    return robot, found
+    def __init__(self, header: Header) -> None:
+        self._robots, _ = bodies_of(header)
+        self._first, self._found = header.version == FIRST, dict[int, InitialSet]()
+
+    @property
+    def are_all_there(self) -> bool:
+        """Whether each robot has one."""
+        return len(self._found) == self._robots.count
+
+    def take(self, record: Fields) -> bool:
+        """Take in what follows; return whether it was one of them, or else they have ended before it.
+
+        Raises:
+            InvalidInput: The robot's set is known already, or a field is not as it should be.
+        """
+        if not self._first and (record.kind != "initial" or record.has("time")):
+            return False
+        record.expect("initial")
+        robot = record.robot(self._robots)
+        if robot in self._found:
+            raise InvalidInput("one initial set a robot", f"robot {robot} again")
+        self._found[robot] = read_set(record)
+        record.end()
+        return True
+
+    def sets(self) -> tuple[InitialSet, ...]:
+        """Return one for each robot."""
+        return tuple(self._found.get(robot, InitialSet(there=False)) for robot in range(self._robots.count))
+
+    def missing(self) -> InvalidInput:
+        """Return the error for a file that ends here."""
+        return InvalidInput(f"{self._robots.count} initial sets", f"{len(self._found)}, then the end of the file")
 
 
 def read_set(record: Fields) -> InitialSet:

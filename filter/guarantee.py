@@ -61,5 +61,4 @@ class Guarantee(Frozen):
         told: dict[str, list[str]] = {}
         for robot in np.flatnonzero(self.lapsed).tolist():
             told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(str(robot))
-        words = [f"suspended for robots {', '.join(who)} {why}" for why, who in told.items()] or ["in force"]
-        return "; ".join(words + [f"nothing is said of robot {robot}, which is away" for robot in sorted(self.away)])
+        return "; ".join(f"suspended for robots {', '.join(who)} {why}" for why, who in told.items()) or "in force"

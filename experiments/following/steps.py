@@ -12,6 +12,8 @@ from experiments.following.scenarios import Scenario
 from experiments.logs import LogWriter, first_belief
 from filter import AnyBelief, Bearing, Filter, Frame, Range, Step, Team, follow, warm_up
 
+GLANCE = 0.5  # who was seen so short a time ago is in sight [s]
+
 
 @cache
 def warmed_up() -> float:
@@ -61,15 +63,18 @@ class Contacts:
     """
 
     team: Team
+    _seen: dict[tuple[int, int], float] = field(default_factory=dict)
     _links: set[tuple[int, int]] = field(default_factory=set)
     _linked: set[int] = field(default_factory=set)
 
     def changes(self, frame: Frame) -> list[str]:
-        """Return in words what has changed since the last frame."""
-        records = [record for record in frame.measurements if isinstance(record, Bearing | Range)]
-        pairs = {pair for record in records for pair in zip(record.robot.tolist(), record.target.tolist(), strict=True)}
-        links = {(robot, target) for robot, target in pairs if target >= self.team.robots}
-        linked = {body for pair in pairs for body in pair if body < self.team.robots}
+        """Return in words what has changed since the last frame; of a stream it is a part of what is seen."""
+        for record in frame.measurements:
+            if isinstance(record, Bearing | Range):
+                self._seen |= dict.fromkeys(zip(record.robot.tolist(), record.target.tolist(), strict=True), frame.time)
+        self._seen = {pair: time for pair, time in self._seen.items() if frame.time - time < GLANCE}
+        links = {(robot, target) for robot, target in self._seen if target >= self.team.robots}
+        linked = {body for pair in self._seen for body in pair if body < self.team.robots}
         name = self.team.name
         words = [f"{name(robot)} sees {name(target)}" for robot, target in sorted(links - self._links)]
         words += [f"{name(robot)} no longer sees {name(target)}" for robot, target in sorted(self._links - links)]

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.following.checks import Escapes
-from experiments.following.located import outers
+from experiments.following.located import outers, there
 from experiments.following.scenarios import Scenario
 from experiments.following.steps import Contacts
 from experiments.keeping.running import Keeper, Moment
 from experiments.show.recording import Recording
 from experiments.show.viewer import open_viewer
-from filter import Inconsistent, Team
+from filter import Inconsistent, Placed, Team
 
 PICTURE_EVERY = 1.0  # [s]
 ROUNDING = 1e-9  # of times [s]
@@ -67,6 +67,9 @@ class Recorded(Keeper):
         self._recording.add(step.frame, step.belief)
         for event in step.belief.events:
             self._recording.event(str(event), "WARN")
+        for change in step.frame.changes:
+            how = "is placed" if isinstance(change, Placed) else "has left"
+            self._recording.event(f"{self._team.name(change.robot)} {how}")
         self._warrant(step.belief)
         for words in self._contacts.changes(step.frame):
             self._recording.event(words)
@@ -77,7 +80,7 @@ class Recorded(Keeper):
 
     def _warrant(self, belief: Any) -> None:
         """Record where the guarantee is suspended, and that it is, once."""
-        suspended = np.flatnonzero(~belief.guarantee.in_force).tolist()
+        suspended = np.flatnonzero(belief.guarantee.lapsed & there(belief)).tolist()
         if suspended or self._guarantee != "in force":
             self._recording.suspended({robot: outers(belief)[robot] for robot in suspended})
         if str(belief.guarantee) != self._guarantee:

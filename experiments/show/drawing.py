@@ -163,6 +163,8 @@ def nothing(name: str) -> Iterator[tuple[str, Item]]:
     yield f"/world/inner/{name}", Strips(())
     for what in ("estimate", "label"):
         yield f"/world/{what}/{name}", Points(np.zeros((0, 3)))
+    for plot in ("area", "performance_ratio"):
+        yield f"/{plot}/{name}", Number(np.nan)  # or a line would be drawn to when it is back
 
 
 def _plotted(plot: str, values: Sequence[float]) -> Iterator[tuple[str, Item]]:

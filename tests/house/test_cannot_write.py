@@ -185,6 +185,7 @@ def test_with_nobody_at_stderr_the_code_still_tells(closed_pipe):
 
 def test_a_verdict_that_cannot_be_told_is_none(tmp_path, closed_pipe):
     (tmp_path / "log.jsonl").write_text("")
+    (tmp_path / "certificates.jsonl.gz").write_bytes(b"")
     assert with_stdout(subprocess.DEVNULL, "-m", "experiments.prove", str(tmp_path)).returncode == 1
     untold = with_stdout(closed_pipe, "-m", "experiments.prove", str(tmp_path))
     assert untold.returncode == CANNOT_WRITE

@@ -1,3 +1,4 @@
+import itertools
 import json
 import shutil
 import socket
@@ -415,11 +416,12 @@ def test_an_open_viewer_is_used_and_one_that_dies_is_told(monkeypatch):
 
 
 def test_contacts_tell_what_has_changed():
-    contacts = Contacts(Team(3, landmarks=[[0.0, 0.0]]))
+    contacts, times = Contacts(Team(3, landmarks=[[0.0, 0.0]])), itertools.count(0.0)
 
     def seen(robots, targets):
-        bearings = (Bearing(0.0, robots, targets, np.zeros(len(robots)), 0.1),) if robots else ()
-        return contacts.changes(Frame(0.0, None, (Compass(0.0, [0, 1, 2], 0.0, 0.1), *bearings), None))
+        time = next(times)
+        bearings = (Bearing(time, robots, targets, np.zeros(len(robots)), 0.1),) if robots else ()
+        return contacts.changes(Frame(time, None, (Compass(time, [0, 1, 2], 0.0, 0.1), *bearings), None))
 
     assert seen([], []) == []
     assert seen([0, 0], [1, 3]) == ["r0 sees l0", "r0 is in sight of the team", "r1 is in sight of the team"]
@@ -431,3 +433,8 @@ def test_contacts_tell_what_has_changed():
         "r1 is in sight of the team",
         "r2 is in sight of the team",
     ]
+    assert [contacts.changes(Frame(4.0 + short, None, (), None)) for short in (0.1, 0.4)] == [
+        [],
+        [],
+    ]  # of another sensor's stamp
+    assert contacts.changes(Frame(4.6, None, (), None)) == ["r1 is on its own", "r2 is on its own"]

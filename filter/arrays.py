@@ -52,21 +52,22 @@ class Frozen:
 
     def __post_init__(self) -> None:
         given = self.__dict__
-        for name, value in self._passed().items():
-            settled = read_only(value) if isinstance(value, np.ndarray) else value
-            if settled is not given[name]:
-                object.__setattr__(self, name, settled)
+        given |= self._passed()
+        for name, value in given.items():
+            if isinstance(value, np.ndarray):
+                given[name] = read_only(value)
 
     def _passed(self) -> dict[str, Any]:
+        """Return what the checks make of fields that have one."""
         kind: Any = type(self)
         given = self.__dict__
-        return {name: check(given[name]) if check else given[name] for name, check in _checks(kind)}
+        return {name: check(given[name]) for name, check in _checks(kind)}
 
 
 @cache
-def _checks(kind: type[Any]) -> list[tuple[str, Callable[[Any], Any] | None]]:
-    """Return the name of each field, and the check that it has to pass."""
-    return [(name, field.metadata.get("check")) for name, field in kind.__dataclass_fields__.items()]
+def _checks(kind: type[Any]) -> list[tuple[str, Callable[[Any], Any]]]:
+    """Return the fields that have to pass a check, and that."""
+    return [(name, field.metadata["check"]) for name, field in kind.__dataclass_fields__.items() if "check" in field.metadata]
 
 
 def checked(check: Callable[..., Any], name: str, *limits: Any, optional: bool = False) -> dict[str, Any]:
@@ -92,7 +93,8 @@ class Table(Frozen):
     @classmethod
     def concatenate(cls, parts: Sequence[Self]) -> Self:
         """Return the entries of all parts, in their order."""
-        return cls(*map(np.concatenate, zip(*(part.columns for part in parts), strict=True)))
+        some = _not_empty(parts)
+        return some[0] if len(some) == 1 else cls(*map(np.concatenate, zip(*(part.columns for part in some), strict=True)))
 
 
 def places(first: Integers, index: Integers) -> tuple[Integers, Integers]:
@@ -121,7 +123,7 @@ class Lists(Frozen):
     @cached_property
     def counts(self) -> Integers:
         """(n,) how many items each list has."""
-        return np.diff(self.first)
+        return read_only(self.first[1:] - self.first[:-1])
 
     def select(self, index: Integers) -> Self:
         """Return some of the lists, by (k,) index."""
@@ -133,13 +135,21 @@ class Lists(Frozen):
     @classmethod
     def concatenate(cls, parts: Sequence[Self]) -> Self:
         """Return the lists of all parts, in their order."""
-        counts = np.concatenate([np.zeros(1, dtype=np.int64), *(part.counts for part in parts)])
-        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in cls._columns()}
+        some = _not_empty(parts)
+        if len(some) == 1:
+            return some[0]
+        counts = np.concatenate([np.zeros(1, dtype=np.int64), *(part.counts for part in some)])
+        columns = {name: np.concatenate([getattr(part, name) for part in some]) for name in cls._columns()}
         return cls(**columns | {"first": np.cumsum(counts)})
 
     @classmethod
     def _columns(cls) -> list[str]:
         return [name for name in cls.__dataclass_fields__ if name != "first"]
+
+
+def _not_empty(parts: Sequence[Any]) -> Sequence[Any]:
+    """Return the parts that have something, or the first one if none has."""
+    return [part for part in parts if len(part)] or parts[:1]
 
 
 def shown(value: Any) -> str:
@@ -193,6 +203,8 @@ def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf
     least, most = max(low, -LARGEST), min(high, LARGEST)
     if type(values) is float and least <= values <= most:
         return np.array(values)
+    if type(values) is np.ndarray and values.dtype == np.float64 and ((values >= least) & (values <= most)).all():
+        return values.copy()
     expected = "finite numbers" + (f" within [{low:g}, {high:g}]" if low > -np.inf or high < np.inf else "")
     array = floats(name, values, expected)
     right = (array >= least) & (array <= most)
@@ -215,6 +227,8 @@ def positive(name: str, value: Any, high: float = np.inf) -> float:
 
 def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Integers:
     """Return a copy of whole numbers from `low` to `high`, none of them a float or masked."""
+    if type(values) is int and low <= values <= high:
+        return np.array(values)
     expected = f"{name}: whole numbers from {low} " + ("on" if high == MAX_INDEX else f"to {high}")
     array = _made(expected, values, _as_whole)
     right = (array >= low) & (array <= high)
@@ -225,6 +239,8 @@ def whole(name: str, values: Any, low: int = 0, high: int = MAX_INDEX) -> Intege
 
 def whole_number(name: str, value: Any, low: int = 0, high: int = MAX_INDEX) -> int:
     """Return one whole number from `low` to `high`."""
+    if type(value) is int and low <= value <= high:
+        return value
     return int(_alone(f"{name}: one whole number", whole(name, value, low, high), value))
 
 

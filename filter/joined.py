@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from filter.arrays import Array, Integers
+from filter.arrays import Array
 from filter.compiled import compiled, put
 
 COLUMNS = 11  # of a part: see `filter.motions.Motions`
@@ -12,13 +12,12 @@ OF_SUMS = 1e-12  # far above that of all sums here, far below any sensor
 
 
 @compiled
-def joined(parts: Array, first: Integers, limits: Array, span: Array) -> Array:
-    """Return (k, RESULT) how robots moved within a span (2,) of time [s], from their parts.
+def joined(parts: Array, limits: Array, span: Array) -> Array:
+    """Return (1 + RESULT, k) which robots are told of within a span (2,) of time [s], and how they moved in it.
 
     Args:
-        parts: (m, COLUMNS) of k robots, each in order of time, all with some time in the span.
-        first: (k + 1,) where those of each robot begin.
-        limits: (k, 4) of speed, turn rate, acceleration and turn acceleration.
+        parts: (m, COLUMNS) of robots in order, those of each in order of time.
+        limits: (n, 4) of all robots: of speed, turn rate, acceleration and turn acceleration.
         span: From when to when [s].
 
     Algorithm:
@@ -27,14 +26,47 @@ def joined(parts: Array, first: Integers, limits: Array, span: Array) -> Array:
         mean displacement, within what the pieces can be off along it and across; a sector about all directions, with the sum of
         all s, and slip for pieces that drive to and fro; and a disc.
     """
-    found = np.empty((len(first) - 1, RESULT))
-    for k in range(len(found)):
-        pieces = _pieces(parts[first[k] : first[k + 1]], limits[k], span)
-        if len(pieces) == 1:
-            put(pieces[0], found[k])
-        else:
-            _sum(pieces, found[k])
-    return found
+    found, count, end = np.empty((len(parts), 1 + RESULT)), 0, 0
+    while end < len(parts):
+        robot, first = parts[end, 0], end
+        while end < len(parts) and parts[end, 0] == robot:
+            first += parts[end, 2] <= span[0]
+            end += 1
+        last = first
+        while last < end and parts[last, 1] < span[1]:
+            last += 1
+        if last > first:
+            pieces = _pieces(parts[first:last], limits[int(robot)], span)
+            found[count, 0] = robot
+            if len(pieces) == 1:
+                put(pieces[0], found[count, 1:])
+            else:
+                _sum(pieces, found[count, 1:])
+            count += 1
+    return found[:count].T.copy()
+
+
+@compiled
+def inserted(parts: Array, new: Array) -> Array:
+    """Return (m + k, COLUMNS) parts (m, COLUMNS), by robots and then in order of time, with new ones (k, COLUMNS) among them.
+
+    Of two with the same robot and beginning the new one comes last.
+    """
+    every = np.empty((len(parts) + len(new), COLUMNS))
+    for k in range(len(parts)):
+        put(parts[k], every[k])
+    for k in range(len(new)):
+        place = len(parts) + k
+        while place and _is_before(new[k], every[place - 1]):
+            put(every[place - 1], every[place])
+            place -= 1
+        put(new[k], every[place])
+    return every
+
+
+@compiled
+def _is_before(one: Array, other: Array) -> bool:
+    return one[0] < other[0] or (one[0] == other[0] and one[1] < other[1])
 
 
 @compiled

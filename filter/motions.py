@@ -6,13 +6,13 @@ between two times; cut, where one reaches beyond; and filled up by the robot's l
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, checked, instance, number
+from filter.arrays import Array, Frozen, checked, instance, number, read_only, settle
 from filter.errors import InvalidInput
-from filter.joined import COLUMNS, joined
+from filter.joined import COLUMNS, inserted, joined
 from filter.records.odometry import Odometry, Twist
 from filter.team import Team
 
@@ -54,14 +54,19 @@ class Motions(Frozen):
         new = _parts_of(record)
         if not (new[:, START] < new[:, TIME]).all():
             raise InvalidInput("odometry that takes some time", f"from {record.time!r} s to the same")
-        parts = np.concatenate([self.parts, new])
-        parts = _ended(parts[np.lexsort((parts[:, START], parts[:, ROBOT]))])
+        parts = _ended(inserted(self.parts, new))
         same = parts[1:, ROBOT] == parts[:-1, ROBOT]
         late = np.flatnonzero(same & (parts[1:, START] < parts[:-1, TIME]))
         if len(late):
             robot, begins, ends = self.team.name(int(parts[late[0], ROBOT])), parts[late[0] + 1, START], parts[late[0], TIME]
             raise InvalidInput(f"odometry of {robot} that begins at {ends.item()!r} s or later", f"{begins.item()!r} s")
-        return Motions(self.team, parts, self.twisted.union(record.robot.tolist() if isinstance(record, Twist) else ()))
+        twisted = self.twisted.union(record.robot.tolist()) if isinstance(record, Twist) else self.twisted
+        return self._with(parts, twisted)
+
+    def _with(self, parts: Array, twisted: frozenset[int]) -> Motions:
+        motions = object.__new__(Motions)
+        settle(motions, team=self.team, parts=read_only(parts), twisted=twisted)
+        return motions
 
     def ends_before(self, record: Odometry | Twist, time: float) -> bool:
         """Return whether a record begins before a time [s], and can end a twist then: what was said of that time may be wrong.
@@ -75,7 +80,7 @@ class Motions(Frozen):
     def since(self, time: float) -> Motions:
         """Return what is known of the time after one [s]."""
         kept = self.parts[:, TIME] > number("time [s]", time)
-        return self if kept.all() else replace(self, parts=self.parts[kept])
+        return self if kept.all() else self._with(self.parts[kept], self.twisted)
 
     def between(self, start: float, time: float) -> Odometry | None:
         """Return how robots moved from one time to another [s]; None where nothing is known of any, or no time passes.
@@ -86,16 +91,13 @@ class Motions(Frozen):
         begin, end = number("start [s]", start), number("time [s]", time)
         if end < begin:
             raise InvalidInput(f"a time from the start, {begin!r} s, on", f"{end!r} s")
-        some = (self.parts[:, START] < end) & (self.parts[:, TIME] > begin)
-        if end == begin or not some.any():
+        if end == begin:
             return None
-        parts = self.parts[some]
-        robots, first = np.unique(parts[:, ROBOT].astype(np.int64), return_index=True)
-        team = self.team
-        limits = (team.speed_limit, team.turn_rate_limit, team.acceleration_limit, team.turn_acceleration_limit)
-        of_robots = np.stack([limit[robots] for limit in limits], axis=1)
-        columns = joined(parts, np.append(first, len(parts)), of_robots, np.array([begin, end]))
-        return Odometry.of_checked(end, {"robot": robots} | dict(zip(NAMES, columns.T, strict=True)), start=begin)
+        robots, *columns = joined(self.parts, self.team.limits, np.array([begin, end]))
+        if not len(robots):
+            return None
+        found = dict(zip(NAMES, columns, strict=True))
+        return Odometry.of_checked(end, {"robot": robots.astype(np.int64)} | found, start=begin)
 
 
 NAMES = ("distance", "distance_bound", "turn", "turn_bound", "direction_bound", "slip_bound", "aside")
@@ -107,7 +109,8 @@ def _parts_of(record: Odometry | Twist) -> Array:
     parts[:, ROBOT], parts[:, STEADY] = record.robot, isinstance(record, Twist)
     if isinstance(record, Odometry):
         parts[:, START], parts[:, TIME] = record.start, record.time
-        parts[:, DISTANCE:STEADY] = np.stack([getattr(record, name) for name in NAMES], axis=1)
+        for column, name in enumerate(NAMES, DISTANCE):
+            parts[:, column] = getattr(record, name)
         return parts
     parts[:, START], parts[:, TIME] = record.time, record.time + record.hold
     rates = (record.speed, record.speed_bound, record.turn_rate, record.turn_rate_bound)

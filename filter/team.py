@@ -15,6 +15,7 @@ from filter.arrays import (
     Array,
     Floats,
     Frozen,
+    Integers,
     checked,
     finite,
     floats,
@@ -149,6 +150,11 @@ class Team(Frozen):
         return read_only(np.broadcast_to(values, self.robots))
 
     @cached_property
+    def limits(self) -> Array:
+        """(n, 4) limits of speed, turn rate, acceleration and turn acceleration, in the units of each."""
+        return read_only(np.stack([getattr(self, limit) for limit in LIMITS], axis=1))
+
+    @cached_property
     def mountings(self) -> Mountings | None:
         """How the sensors are mounted, by their numbers; None if there are none."""
         return Mountings.of(self.sensors) if self.sensors else None
@@ -156,22 +162,28 @@ class Team(Frozen):
     def check(self, record: Measurement | Odometry | Twist) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""
         instance("a record", record, Compass, Bearing, Range, Position, Odometry, Twist)
-        robots, bodies = f"robots 0 to {self.robots - 1}", self.robots + len(self.landmarks)
-        marks = f"landmarks {self.robots} to {bodies - 1}" if len(self.landmarks) else "no landmark"
-        for role, count, known in (("robot", self.robots, robots), ("target", bodies, f"{robots} and {marks}")):
+        for role, count in (("robot", self.robots), ("target", self.robots + len(self.landmarks))):
             named = getattr(record, role, record.robot)
-            if (named >= count).any():
-                raise InvalidInput(f"a {role} among {known}", f"{role} {named[named >= count][0]}")
+            if _largest(named) >= count:
+                raise InvalidInput(f"a {role} among {self._known(role)}", f"{role} {named[named >= count][0]}")
         if isinstance(record, Compass | Bearing | Range):
             self._check_sensors(record)
 
+    def _known(self, role: str) -> str:
+        robots, marks = self.robots, len(self.landmarks)
+        landmarks = f" and landmarks {robots} to {robots + marks - 1}" if marks else " and no landmark"
+        return f"robots 0 to {robots - 1}" + landmarks * (role == "target")
+
     def _check_sensors(self, record: Compass | Bearing | Range) -> None:
         count, tags = len(self.sensors), getattr(record, "target_sensor", record.sensor)
-        largest = int(max(record.sensor.max(initial=AT_THE_CENTRE), tags.max(initial=AT_THE_CENTRE)))
+        tagged = _largest(tags)
+        largest = max(_largest(record.sensor), tagged)
         if largest >= count:
             known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
             raise InvalidInput(f"a sensor among the team's, {known} for the centre", largest)
-        if not isinstance(record, Compass) and (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
+        if isinstance(record, Compass) or tagged == AT_THE_CENTRE:
+            return
+        if (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
             raise InvalidInput("a target_sensor on a robot: landmarks are where they are", "one on a landmark")
 
     def checked_change(self, change: Change, belief_time: float | None = None) -> Change:
@@ -250,6 +262,10 @@ class Team(Frozen):
     def sensor_number(self, name: str) -> int:
         """Return the number of the sensor of a name; `InvalidInput` if there is none, with the nearest."""
         return _place_of("a sensor", name, [sensor.name for sensor in self.sensors])
+
+
+def _largest(numbers: Integers) -> int:
+    return int(numbers.item() if len(numbers) == 1 else numbers.max(initial=AT_THE_CENTRE))
 
 
 def _place_of(what: str, name: str, names: Sequence[str]) -> int:

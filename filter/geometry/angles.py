@@ -54,20 +54,24 @@ class AngularIntervals:
     def __post_init__(self) -> None:
         centre, bound = finite("centre of an arc [rad]", self.centre), finite("bound of an arc [rad]", self.bound)
         try:
-            centre, bound = np.broadcast_arrays(np.atleast_1d(centre), bound)
+            centre, bound = (each.copy() for each in np.broadcast_arrays(np.atleast_1d(centre), bound))
         except ValueError:
             raise InvalidInput("a centre and a bound for each arc", f"{centre.shape} and {bound.shape}") from None
         if centre.ndim != 1:
             raise InvalidInput("centres and bounds of arcs as numbers or (k,) columns", f"shape {centre.shape}")
-        turns = np.abs(centre) > np.pi
-        outward = np.where(turns & (bound >= 0), bound + ANGLE_ROUNDING * np.abs(centre), bound)
-        settle(self, centre=read_only(wrap(centre)), bound=read_only(np.minimum(outward, np.pi)))
+        wrapped, outward = _wrapped(centre, bound)
+        settle(self, centre=read_only(wrapped), bound=read_only(outward))
 
     @classmethod
     def circles(cls, count: int) -> AngularIntervals:
         """Return so many whole circles: nothing is known. Raises InvalidInput if that is no whole number, or too large."""
         arcs = whole_number("number of arcs", count, 0, MOST_ROBOTS)
-        return cls(np.zeros(arcs), np.full(arcs, np.pi))
+        return cls._of(np.zeros(arcs), np.full(arcs, np.pi))
+
+    @classmethod
+    def of_found(cls, centre: Array, bound: Array) -> AngularIntervals:
+        """Return (k) arcs of finite centres and bounds that were found, without a look [rad]."""
+        return cls._of(*_wrapped(centre, bound))
 
     @classmethod
     def _of(cls, centre: Array, bound: Array) -> AngularIntervals:
@@ -118,16 +122,14 @@ class AngularIntervals:
         """
         turn = self._each("turns [rad]", finite("turns [rad]", by))
         wider = self._each("bounds of turns [rad]", finite("bounds of turns [rad]", bound, 0))
-        centre = self.centre + turn
-        outward = ANGLE_ROUNDING * (1 + np.abs(turn) + np.abs(centre))
-        inside = (-np.pi < centre) & (centre <= np.pi)
-        wrapped = np.where(inside, centre, centre - 2 * np.pi * np.ceil((centre - np.pi) / (2 * np.pi)))
-        return AngularIntervals._of(wrapped, np.where(self.empty, self.bound, np.minimum(np.pi, self.bound + wider + outward)))
+        return AngularIntervals._of(*_turned(self.centre, self.bound, turn, wider))
 
     def _each(self, name: str, values: Array) -> Array:
-        if values.shape not in ((), (1,), self.centre.shape):
+        if values.shape == self.centre.shape:
+            return values
+        if values.shape not in ((), (1,)):
             raise InvalidInput(f"{name}: one, or one for each of {len(self)} arcs", f"shape {values.shape}")
-        return np.broadcast_to(values, self.centre.shape)
+        return np.full(self.centre.shape, values)
 
     def intersection(self, other: AngularIntervals) -> AngularIntervals:
         """Return the smallest arcs that contain what each pair of arcs has in common.
@@ -143,6 +145,36 @@ class AngularIntervals:
     def narrowed(self, begin: Integers, end: Integers, others: AngularIntervals) -> AngularIntervals:
         """Return the arcs cut by others, begin[k] to end[k] of them each; one of which that leaves nothing stays as it is."""
         return AngularIntervals._of(*_narrowed((self.centre, self.bound), begin, end, (others.centre, others.bound)))
+
+
+@compiled
+def _wrapped(centre: Array, bound: Array) -> Array:
+    """Return (2, k) centres and bounds of arcs, in (-pi, pi] and up to pi."""
+    arcs = np.empty((2, len(centre)))
+    for k in range(len(centre)):
+        angle, wide = centre[k], abs(centre[k]) > np.pi and bound[k] >= 0
+        arcs[0, k] = angle if -np.pi < angle <= np.pi else np.pi - np.mod(np.pi - angle, 2 * np.pi)
+        arcs[1, k] = min(np.pi, bound[k] + ANGLE_ROUNDING * abs(angle) if wide else bound[k])
+    return arcs
+
+
+@compiled
+def turned(centre: float, bound: float, by: float, wider: float) -> tuple[float, float]:
+    """Return centre and bound of an arc after a turn, as `AngularIntervals.turned` does [rad]; one that is empty stays so."""
+    angle = centre + by
+    outward = ANGLE_ROUNDING * (1 + abs(by) + abs(angle))
+    if not -np.pi < angle <= np.pi:
+        angle -= 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))
+    return angle, min(np.pi, bound + wider + outward) if bound >= 0 else bound
+
+
+@compiled
+def _turned(centre: Array, bound: Array, by: Array, wider: Array) -> Array:
+    """Return (2, k) centres and bounds."""
+    arcs = np.empty((2, len(centre)))
+    for k in range(len(centre)):
+        arcs[0, k], arcs[1, k] = turned(centre[k], bound[k], by[k], wider[k])
+    return arcs
 
 
 @compiled

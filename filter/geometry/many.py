@@ -74,29 +74,18 @@ class Polygons(Lists, Sequence[Polygon]):
         broken = (self.normals * points[self.owner]).sum(axis=1) > self.offsets
         return np.bincount(self.owner[broken], minlength=len(self)) == 0
 
-    def mirrored(self, points: Array) -> Polygons:
-        """Return {point - x} with an own one of (n, 2) points for each: as seen from the polygons; errs outward [m]."""
-        where = points[self.owner]
-        largest = np.maximum.reduceat(np.abs(self.vertices).max(axis=1), self.first[:-1]) if len(self) else np.zeros(0)
-        rounding = 4 * EPSILON * (np.abs(points).sum(axis=1) + largest)
-        offsets = self.offsets - (self.normals * where).sum(axis=1) + rounding[self.owner]
-        return Polygons(-self.normals, offsets, where - self.vertices, self.margin + rounding, self.first)
-
-    def blurred(self, by: Array, radius: Array) -> Polygons:
-        """Return polygons around {x + v : v in a disc about (n, 2) of radius (n,)} [m]."""
-        moved, largest = by[self.owner], np.maximum.reduceat(np.abs(self.vertices).max(axis=1), self.first[:-1])
-        outward = radius + 4 * EPSILON * (np.abs(by).sum(axis=1) + largest)
-        offsets = self.offsets + (self.normals * moved).sum(axis=1) + outward[self.owner]
-        return Polygons(self.normals, offsets, self.vertices + moved, self.margin + outward, self.first)
-
     def turned_about(self, which: Mask) -> Polygons:
         """Return {-x} where (n,) says so, and {x} elsewhere: exact."""
         sign = np.where(which[self.owner], -1.0, 1.0)[:, None]
         return Polygons(sign * self.normals, self.offsets, sign * self.vertices, self.margin, self.first)
 
-    def spans(self) -> AngularIntervals:
-        """Return (n) arcs that contain the directions from the origin to every point of each polygon, see `span_of` [rad]."""
-        return AngularIntervals(*_spans(self.vertices, self.margin, self.first).T)
+    def spans(self, sign: Array, points: Array, by: Array, radius: Array) -> AngularIntervals:
+        """Return (n) arcs that contain the directions from the origin to places, of which polygons tell, see `span_of` [rad].
+
+        These are sign x + point - by, and up to a radius from there: x is any point of a polygon; each has a sign, 1 or -1, of
+        (n,), a point and a way by of (n, 2), and a radius of (n,) [m].
+        """
+        return AngularIntervals.of_found(*_spans((self.vertices, self.margin, self.first), sign, (points, by), radius))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,9 +144,16 @@ def areas_of(vertices: Array, first: Integers) -> Array:
 
 
 @compiled
-def _spans(vertices: Array, margin: Array, first: Integers) -> Array:
-    """Return (n, 2) centre and bound of the span of each polygon."""
-    spans = np.empty((len(margin), 2))
-    for k in range(len(margin)):
-        spans[k, 0], spans[k, 1] = span_of(vertices[first[k] : first[k + 1]], margin[k])
+def _spans(polygons: tuple[Array, Array, Integers], sign: Array, moved: tuple[Array, Array], radius: Array) -> Array:
+    """Return (2, n) centres and bounds of spans."""
+    (vertices, margin, first), (points, by), spans = polygons, moved, np.empty((2, len(sign)))
+    for k in range(len(sign)):
+        places, size = np.empty((first[k + 1] - first[k], 2)), 0.0
+        for axis in range(2):
+            point, way, most = points[k, axis], by[k, axis], 0.0
+            for m in range(len(places)):
+                vertex = vertices[first[k] + m, axis]
+                places[m, axis], most = sign[k] * vertex + (point - way), max(most, abs(vertex))
+            size += abs(point) + abs(way) + most
+        spans[0, k], spans[1, k] = span_of(places, margin[k] + radius[k] + 4 * EPSILON * size)
     return spans

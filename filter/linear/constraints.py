@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from filter.arrays import Array, Integers, Table, settle
+from filter.arrays import Array, Integers, Table, read_only, settle
 from filter.geometry.convex import EPSILON
 
 WORLD = -1
@@ -58,7 +58,13 @@ class Constraints(Table):
         """Return the rows with offsets changed by (r,) amounts [m], the sum's rounding on the outer side."""
         offset = self.offset + by
         outward = offset + np.where(by == 0, 0.0, 4 * EPSILON * (np.abs(self.offset) + np.abs(by)))
-        return Constraints(self.i, self.j, self.normal, outward, self.source)
+        return self._with_offsets(outward)
+
+    def _with_offsets(self, offset: Array) -> Constraints:
+        """Return the rows, which are sorted already, with other offsets."""
+        rows = object.__new__(Constraints)
+        settle(rows, **self.__dict__ | {"offset": read_only(offset)})
+        return rows
 
     def rows_of(self, i: int, j: int) -> Integers:
         """Return the rows on one pair, or with i = WORLD on one robot."""
@@ -73,7 +79,7 @@ class Constraints(Table):
 
     def grouped(self) -> tuple[Integers, Integers, Integers]:
         """Return i and j of each robot and each pair that has rows (g,), and where these begin (g + 1,)."""
-        begin = np.flatnonzero(np.diff(self._keys, prepend=-1))
+        begin = np.append(0, np.flatnonzero(self._keys[1:] != self._keys[:-1]) + 1)[: len(self)]
         return self.i[begin], self.j[begin], np.append(begin, len(self))
 
     @cached_property
@@ -92,13 +98,3 @@ class Constraints(Table):
         value = np.concatenate([-self.normal, self.normal], axis=1)[there]
         begin = np.concatenate([[0], np.cumsum(np.where(pair, 4, 2))])
         return scipy.sparse.csr_array((value, column, begin), shape=(len(self), 2 * bodies))
-
-
-def rounding_of_rows(rows: Constraints, lower: Array, upper: Array) -> Array:
-    """Return (r,) how much the rounding of normals and offsets of new rows on pairs can cut off within a box (bodies, 2) [m].
-
-    Angles carry their own allowance. What is left is the rounding of a sine, a cosine or a product: a few units in the
-    last place of the normal times the greatest difference of the two positions, and of the offset.
-    """
-    difference = np.maximum(upper[rows.j] - lower[rows.i], upper[rows.i] - lower[rows.j])
-    return 4 * EPSILON * (np.abs(rows.offset) + np.abs(difference).sum(axis=1))

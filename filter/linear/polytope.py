@@ -60,9 +60,8 @@ class Polytope(Frozen):
 
     def around(self, i: Integers, j: Integers) -> tuple[Array, Array]:
         """Return the corners of boxes around x_j - x_i, or x_j where i is WORLD, both (g, 2); they err outward [m]."""
-        mutual, lower, upper = np.flatnonzero(i != WORLD), self.lower[j], self.upper[j]
-        lower[mutual] = np.nextafter(lower[mutual] - self.upper[i[mutual]], -np.inf)
-        upper[mutual] = np.nextafter(upper[mutual] - self.lower[i[mutual]], np.inf)
+        lower, upper = np.empty((len(j), 2)), np.empty((len(j), 2))
+        _around((lower, upper), i, j, (self.lower, self.upper))
         return lower, upper
 
     def loosened(self, share: float = APART) -> Polytope:
@@ -89,7 +88,7 @@ def prune(polytope: Polytope, rows_per_robot: int, rows_per_pair: int) -> Constr
     polytope = polytope.with_constraints(_without_twins(polytope))
     rows = polytope.constraints
     i, j, first = rows.grouped()
-    size, budget = np.diff(first), np.where(i == WORLD, rows_per_robot, rows_per_pair)
+    size, budget = first[1:] - first[:-1], np.where(i == WORLD, rows_per_robot, rows_per_pair)
     crowded = np.flatnonzero(size > budget)
     if not len(crowded):
         return rows
@@ -111,6 +110,17 @@ def _without_twins(polytope: Polytope) -> Constraints:
     lower, upper = polytope.around(i, j)
     keep = _single(rows.normal, rows.offset, first, (lower + upper) / 2)
     return rows if keep.all() else rows.select(keep)
+
+
+@compiled
+def _around(around: tuple[Array, Array], i: Integers, j: Integers, box: tuple[Array, Array]) -> None:
+    (lower, upper), (least, greatest) = around, box
+    for k in range(len(j)):
+        for axis in range(2):
+            lower[k, axis], upper[k, axis] = least[j[k], axis], greatest[j[k], axis]
+            if i[k] != WORLD:
+                lower[k, axis] = np.nextafter(lower[k, axis] - greatest[i[k], axis], -np.inf)
+                upper[k, axis] = np.nextafter(upper[k, axis] - least[i[k], axis], np.inf)
 
 
 @compiled

@@ -67,11 +67,10 @@ class Sources(Table):
 
     def extended(self, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
         """Return the table with (k) more entries, and their numbers."""
-        robots, targets = np.broadcast_arrays(np.asarray(robot, dtype=np.int64), np.asarray(target, dtype=np.int64))
-        more = Sources(
-            np.full(len(robots), KINDS.index(kind)),
-            np.broadcast_to(np.asarray(time, dtype=float), robots.shape),
-            robots,
-            targets,
-        )
-        return Sources.concatenate([self, more]), np.arange(len(self), len(self) + len(robots))
+        robots, targets = (np.atleast_1d(np.asarray(each, dtype=np.int64)) for each in (robot, target))
+        count = len(robots) if len(targets) == 1 else len(targets)
+        if not count:
+            return self, _none()
+        more = (np.full(count, each) for each in (robots, targets))
+        table = Sources(np.full(count, KINDS.index(kind)), np.full(count, time, dtype=float), *more)
+        return Sources.concatenate([self, table]), np.arange(len(self), len(self) + count)

@@ -108,12 +108,17 @@ class Outlines(Frozen):
     @classmethod
     def concatenate(cls, parts: Sequence[Outlines]) -> Outlines:
         """Return the outlines of all parts, in their order."""
-        return cls(
-            Polygons.concatenate([part.outer for part in parts]),
-            Weights.concatenate([part.weights for part in parts]),
-            Hulls.concatenate([part.inner for part in parts]),
-            np.concatenate([part.searches for part in parts]),
-            tuple(reason for part in parts for reason in part.reasons),
+        some = [part for part in parts if len(part.outer)] or parts[:1]
+        return (
+            some[0]
+            if len(some) == 1
+            else cls(
+                Polygons.concatenate([part.outer for part in some]),
+                Weights.concatenate([part.weights for part in some]),
+                Hulls.concatenate([part.inner for part in some]),
+                np.concatenate([part.searches for part in some]),
+                tuple(reason for part in some for reason in part.reasons),
+            )
         )
 
     def select(self, index: Integers) -> Outlines:

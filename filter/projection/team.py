@@ -14,7 +14,7 @@ from filter.projection.claims import Hulls, Outlines, Weights, in_order
 from filter.projection.fallback import Fallback, broken_row, interior, project_all
 from filter.projection.proved import Projection, position
 from filter.projection.sheet import Sheet, Task, blank
-from filter.projection.stop import REASONS, IsOver, Stop, never
+from filter.projection.stop import REASONS, IsOver, Reason, Stop, never
 from filter.projection.walk import project_some
 from filter.projection.window import Links, Window, links, members_of, rows_in
 from filter.workers import spread
@@ -86,8 +86,9 @@ class Projector:
             failures += alone.failures
             if not len(alone.outlines.outer):
                 late.append(robot)
-        unrefined = np.array(late, dtype=np.int64)
-        pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), len(polytope.constraints), "time")))
+        if late:
+            unrefined = np.array(late)
+            pieces.append((unrefined, Outlines.at_a_glance(polytope.of_robots(unrefined), len(polytope.constraints), "time")))
         return self._with_the_inside(polytope, who, in_order(pieces), tuple(failures))
 
     def pairs(self, polytope: Polytope, pairs: tuple[Integers, Integers], *, is_over: IsOver = never) -> Outlined:
@@ -95,10 +96,13 @@ class Projector:
         i, j = pairs
         done, walks = self._walked(polytope, i, j, links(polytope.constraints, len(polytope.lower)), is_over)
         lost, late = done[walks.outlines.outer.counts == 0], np.delete(np.arange(len(j)), done)
-        glance = Outlines.at_a_glance(polytope.of(i[lost], j[lost]), len(polytope.constraints))
-        later = Outlines.at_a_glance(polytope.of(i[late], j[late]), len(polytope.constraints), "time")
+        pieces, why = [(done, walks.outlines)], dict[Reason | None, Integers]({None: lost, "time": late})
+        for reason, some in why.items():
+            if len(some):
+                glance = Outlines.at_a_glance(polytope.of(i[some], j[some]), len(polytope.constraints), reason)
+                pieces.append((some, glance))
         failures = tuple(Fallback(int(j[k]), (WALK,), None, int(i[k])) for k in lost)
-        return Outlined(in_order([(done, walks.outlines), (lost, glance), (late, later)]), failures)
+        return Outlined(in_order(pieces), failures)
 
     def _walked(self, polytope: Polytope, i: Integers, j: Integers, who: Links, is_over: IsOver) -> tuple[Integers, Outlined]:
         """Walk the windows of pairs i, j (g), or of robots j where i is WORLD.

@@ -5,7 +5,7 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import compiled, put
 from filter.errors import Inconsistent
-from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, intersection
+from filter.geometry.angles import AngularIntervals, intersection, turned
 from filter.linear.sources import Source, Sources
 from filter.records.measurements import Bearing, Compass
 from filter.sensing.readings import Readings
@@ -16,7 +16,7 @@ Arcs = tuple[Array, Array]  # centres and bounds
 
 def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
     """Return (k) arcs that contain the measuring robots' headings [rad]."""
-    return AngularIntervals(np.zeros(len(record.bound)), record.bound).turned(record.heading)
+    return AngularIntervals.of_found(np.zeros(len(record.bound)), record.bound).turned(record.heading)
 
 
 def heading_arcs_of_bearing(record: Bearing, spans: AngularIntervals) -> AngularIntervals:
@@ -32,7 +32,7 @@ def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: Ang
     compasses, bearings = readings.compasses, readings.bearings
     found = heading_arcs_of_compass(compasses), heading_arcs_of_bearing(bearings, spans)
     robot = np.concatenate([compasses.robot, bearings.robot])
-    arcs = AngularIntervals(*(np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound")))
+    arcs = AngularIntervals.of_found(*(np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound")))
     order = np.lexsort((arcs.centre, arcs.bound))  # the narrowest first
     centre, bound = headings.centre.copy(), headings.bound.copy()
     last = _intersect((centre, bound), (arcs.centre, arcs.bound), robot, order)
@@ -40,7 +40,7 @@ def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: Ang
         sources, _ = Sources().extended("compass", compasses.time, compasses.robot)
         sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target)
         raise _conflict(headings, arcs, sources, order[:last], order[last])
-    return AngularIntervals(centre, bound)
+    return AngularIntervals.of_found(centre, bound)
 
 
 def looks_at_a_glance(since: Since, readings: Readings) -> tuple[AngularIntervals, Moves]:
@@ -63,7 +63,7 @@ def headings_at(since: Since, readings: Readings, spans: AngularIntervals) -> An
     if len(nothing):
         robot = int(nothing[0]) % robots
         raise Inconsistent(f"up to {readings.compasses.time} s", [Source("heading", readings.compasses.time, robot)])
-    return AngularIntervals(*looks)
+    return AngularIntervals.of_found(*looks)
 
 
 @compiled
@@ -75,25 +75,16 @@ def _followed(before: Arcs, turns: Array, arcs: Arcs, places: tuple[Integers, In
     put(before[1], looks[1])
     for k in range(robots, looks.shape[1]):
         turn = turns[k // robots - 1, k % robots]
-        centre, bound = _turned(looks[0, k - robots], looks[1, k - robots], turn[0], turn[1])
+        centre, bound = turned(looks[0, k - robots], looks[1, k - robots], turn[0], turn[1])
         while following < len(order) and place[order[following]] == k:
             centre, bound = intersection(centre, bound, arcs[0][order[following]], arcs[1][order[following]])
             following += 1
         looks[0, k], looks[1, k] = centre, bound
     for k in range(looks.shape[1] - robots - 1, -1, -1):
         turn = turns[k // robots, k % robots]
-        centre, bound = _turned(looks[0, k + robots], looks[1, k + robots], -turn[0], turn[1])
+        centre, bound = turned(looks[0, k + robots], looks[1, k + robots], -turn[0], turn[1])
         looks[0, k], looks[1, k] = intersection(looks[0, k], looks[1, k], centre, bound)
     return looks
-
-
-@compiled
-def _turned(centre: float, bound: float, turn: float, more: float) -> tuple[float, float]:
-    """Return centre and bound of an arc after a turn, as `AngularIntervals.turned` does [rad]; one that is empty stays so."""
-    turned = centre + turn
-    outward = ANGLE_ROUNDING * (1 + abs(turn) + abs(turned))
-    turned -= 2 * np.pi * np.ceil((turned - np.pi) / (2 * np.pi))
-    return turned, min(np.pi, bound + more + outward) if bound >= 0 else bound
 
 
 @compiled

@@ -10,13 +10,14 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, Integers
 from filter.compiled import compiled
-from filter.geometry.angles import AngularIntervals
+from filter.geometry.angles import AngularIntervals, turned
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.sector import WIDEST, trapezoid
 from filter.linear.constraints import WORLD, Constraints
 from filter.records.odometry import Odometry
 from filter.team import Team
 
+SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 CORNERS = 8  # of a set of displacements: of a trapezoid ahead, and of one behind
 
 
@@ -117,33 +118,38 @@ def displacements_of(odometry: Odometry | None, headings: AngularIntervals, reac
     vertices, path, slip = np.zeros((len(headings), CORNERS, 2)), np.zeros(len(headings)), reach.copy()
     if odometry is None:
         return Displacements(vertices, path, slip)
-    way = odometry.turn / 2 + odometry.aside
-    direction = headings[odometry.robot].turned(way, odometry.turn_bound / 2 + odometry.direction_bound)
-    most_turned, back = np.abs(odometry.turn) + odometry.turn_bound, direction.turned(np.pi)
-    chord = np.cos(np.minimum(np.pi / 2, most_turned / 2 + odometry.direction_bound))
+    told = odometry.robot, odometry.turn, odometry.turn_bound, odometry.direction_bound, odometry.aside
     least, greatest = odometry.distance - odometry.distance_bound, odometry.distance + odometry.distance_bound
-    ahead = _trapezoids(np.maximum(least, 0) * chord, np.maximum(greatest, 0), direction.centre, direction.bound)
-    behind = _trapezoids(np.maximum(-greatest, 0) * chord, np.maximum(-least, 0), back.centre, back.bound)
-    ahead = np.where((greatest < 0)[:, None, None], behind, ahead)
-    behind = np.where((least > 0)[:, None, None], ahead, behind)
-    farthest = np.maximum(np.abs(least), np.abs(greatest))
-    # After a full circle the way back can be the shortest.
-    anywhere = ((direction.bound > WIDEST) | (most_turned >= 2 * np.pi))[:, None, None]
-    square = farthest[:, None, None] * np.tile([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]], (2, 1))
-    vertices[odometry.robot] = np.where(anywhere, square, np.concatenate([ahead, behind], axis=1))
-    path[odometry.robot], slip[odometry.robot] = farthest, odometry.slip_bound
+    _gone(vertices, path, (headings.centre, headings.bound), told, (least, greatest))
+    slip[odometry.robot] = odometry.slip_bound
     return Displacements(vertices, path, slip)
 
 
 @compiled
-def _trapezoids(nearest: Array, farthest: Array, centre: Array, bound: Array) -> Array:
-    """Return (k, 4, 2) corners of the smallest trapezoids around [nearest, farthest] over (k) sectors."""
-    corners = np.empty((len(nearest), 4, 2))
-    for k in range(len(nearest)):
-        around = trapezoid(centre[k], bound[k], nearest[k], farthest[k])
-        for m in range(4):  # not all at once: numba takes seconds to compile that
-            corners[k, m, 0], corners[k, m, 1] = around[m, 0], around[m, 1]
-    return corners
+def _gone(
+    vertices: Array,
+    path: Array,
+    headings: tuple[Array, Array],
+    told: tuple[Integers, Array, Array, Array, Array],
+    lengths: tuple[Array, Array],
+) -> None:
+    """Write the vertices (n, CORNERS, 2) and the longest path (n,) of robots of which odometry tells."""
+    (centre, bound), (robot, turn, turn_bound, direction_bound, aside) = headings, told
+    for k in range(len(robot)):
+        whose, least, greatest, off = robot[k], lengths[0][k], lengths[1][k], direction_bound[k]
+        way, wide = turned(centre[whose], bound[whose], turn[k] / 2 + aside[k], turn_bound[k] / 2 + off)
+        back, most_turned = turned(way, wide, np.pi, 0.0), abs(turn[k]) + turn_bound[k]
+        chord = np.cos(min(np.pi / 2, most_turned / 2 + off))
+        path[whose] = max(abs(least), abs(greatest))
+        for half in range(2):
+            if wide > WIDEST or most_turned >= 2 * np.pi:  # after a full circle the way back can be the shortest
+                corners = path[whose] * SQUARE
+            elif least > 0 or (greatest >= 0 and half == 0):
+                corners = trapezoid(way, wide, max(0.0, least) * chord, max(0.0, greatest))
+            else:
+                corners = trapezoid(back[0], back[1], max(0.0, -greatest) * chord, max(0.0, -least))
+            for m in range(4):  # not all at once: numba takes seconds to compile that
+                vertices[whose, 4 * half + m, 0], vertices[whose, 4 * half + m, 1] = corners[m, 0], corners[m, 1]
 
 
 def turned_headings(odometry: Odometry | None, headings: AngularIntervals, team: Team, duration: float) -> AngularIntervals:

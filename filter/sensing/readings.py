@@ -135,6 +135,8 @@ def _looking_forward(record: Any, mountings: Mountings) -> Any:
 
 def _columns(kind: type[Measurement], records: Sequence[Any], stamps: Array) -> dict[str, Any]:
     names = [*field_names(kind), AT]
+    if not records:
+        return {name: NO_VALUES[name in WHO or name == AT] for name in names}
     instants = np.searchsorted(stamps, [each.time for each in records])
     parts = [
         np.concatenate([NO_VALUES[name in WHO], *(getattr(each, name) for each in records)]) + 0 for name in names[:-1]

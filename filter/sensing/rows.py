@@ -11,7 +11,7 @@ from filter.compiled import compiled, put
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON
 from filter.geometry.sector import far_and_near, sides
-from filter.linear.constraints import WORLD, Constraints, rounding_of_rows
+from filter.linear.constraints import WORLD, Columns, Constraints
 from filter.linear.polytope import Polytope
 from filter.records.measurements import Bearing, Position, Range
 from filter.sensing.readings import Readings
@@ -98,15 +98,30 @@ def as_of_now(rows: Constraints, readings: Readings, moves: Moves | None, first:
 
 def on_robots(rows: Constraints, polytope: Polytope, landmarks: Array) -> Constraints:
     """Return rows just built, on pairs of bodies, as rows on robots: landmarks (l, 2) are put in, all rounding is covered."""
-    robots = len(polytope.lower)
-    lower, upper = np.concatenate([polytope.lower, landmarks]), np.concatenate([polytope.upper, landmarks])
-    outward = rows.shifted(rounding_of_rows(rows, lower, upper))
-    fixed = outward.j >= robots
-    where = np.concatenate([np.zeros((robots, 2)), landmarks])[outward.j]
-    along = outward.normal * where
-    moved = outward.shifted(4 * EPSILON * np.abs(along).sum(axis=1) - along.sum(axis=1))
-    i, j, normal = np.where(fixed, WORLD, moved.i), np.where(fixed, moved.i, moved.j), moved.normal
-    return Constraints(i, j, np.where(fixed[:, None], -normal, normal), moved.offset, moved.source)
+    i, j, normal, offset = rows.i.copy(), rows.j.copy(), rows.normal.copy(), rows.offset.copy()
+    _put_in((i, j, normal, offset), (polytope.lower, polytope.upper), landmarks)
+    return Constraints(i, j, normal, offset, rows.source)
+
+
+@compiled
+def _put_in(rows: Columns, box: tuple[Array, Array], landmarks: Array) -> None:
+    """Change rows on bodies into rows on robots.
+
+    What normals and offsets were rounded by cuts off no more than a few units in the last place of the normal times the
+    greatest difference of the two positions, and of the offset. Angles carry their own allowance.
+    """
+    (i, j, normal, offset), (lower, upper), robots = rows, box, len(box[0])
+    for k in range(len(i)):
+        fixed, size = j[k] >= robots, abs(offset[k])
+        for axis in range(2):
+            low, high = lower[i[k], axis], upper[i[k], axis]
+            place = landmarks[j[k] - robots, axis] if fixed else 0.0
+            least, greatest = (place, place) if fixed else (lower[j[k], axis], upper[j[k], axis])
+            size += max(abs(greatest - low), abs(high - least)) + 2 * abs(place)
+            offset[k] -= normal[k, axis] * place
+        offset[k] += 8 * EPSILON * (size + abs(offset[k]))
+        if fixed:
+            i[k], j[k], normal[k, 0], normal[k, 1] = WORLD, i[k], -normal[k, 0], -normal[k, 1]
 
 
 def spans_of_targets(
@@ -118,33 +133,9 @@ def spans_of_targets(
     tells is another one by (k, 2), up to (k,) [m]. Rows that exclude one another say nothing here: to find that out, and the
     causes, is for the search that follows.
     """
-    if not len(robot):
-        return AngularIntervals.circles(0)
-    if moved is not None:
-        return _spans_then(polytope, landmarks, (robot, target), moved)
-    robots, first, second = len(polytope.lower), np.minimum(robot, target), np.maximum(robot, target)
-    pairs, which = np.unique(first * (robots + len(landmarks)) + second, return_inverse=True)
-    i, j = np.divmod(pairs, robots + len(landmarks))
-    fixed, mutual = np.flatnonzero(j >= robots), np.flatnonzero(j < robots)
-    seen = polytope.of_robots(i[fixed]).polygons.mirrored(landmarks[j[fixed] - robots]).spans()
-    spans = AngularIntervals.circles(len(pairs)).replaced(fixed, seen)
-    spans = spans.replaced(mutual, polytope.of(i[mutual], j[mutual]).polygons.spans())
-    return spans[which].turned(np.where(robot > target, np.pi, 0.0))
-
-
-def _spans_then(
-    polytope: Polytope, landmarks: Array, who: tuple[Integers, Integers], moved: tuple[Array, Array]
-) -> AngularIntervals:
-    """Return the same of other places."""
-    (robot, target), (by, radius), robots = who, moved, len(polytope.lower)
-    fixed, mutual = np.flatnonzero(target >= robots), np.flatnonzero(target < robots)
-    spans = AngularIntervals.circles(len(robot))
-    if len(fixed):
-        own, which = np.unique(robot[fixed], return_inverse=True)
-        seen = polytope.of_robots(own).polygons.select(which).mirrored(landmarks[target[fixed] - robots])
-        spans = spans.replaced(fixed, seen.blurred(-by[fixed], radius[fixed]).spans())
-    if len(mutual):
-        one, other, back = robot[mutual], target[mutual], robot[mutual] > target[mutual]
-        between = polytope.of(np.minimum(one, other), np.maximum(one, other)).polygons.turned_about(back)
-        spans = spans.replaced(mutual, between.blurred(-by[mutual], radius[mutual]).spans())
-    return spans
+    robots = len(polytope.lower)
+    by, radius = (np.zeros((len(robot), 2)), np.zeros(len(robot))) if moved is None else moved
+    fixed, one, other = target >= robots, np.minimum(robot, target), np.maximum(robot, target)
+    outlines = polytope.of(np.where(fixed, WORLD, one), np.where(fixed, one, other)).polygons
+    places = np.concatenate([np.zeros((robots, 2)), landmarks])[target]
+    return outlines.spans(np.where(fixed | (robot > target), -1.0, 1.0), places, by, radius)

@@ -89,9 +89,11 @@ def with_pairs(belief: Belief, most: int, projector: Projector, *, is_over: IsOv
 def chosen_pairs(polytope: Polytope, sources: Sources, time: float, most: int) -> Pairs:
     """Return at most so many pairs i < j, in order: those just measured, then those longest ago, then those without rows."""
     rows, robots = polytope.constraints, len(polytope.lower)
-    i, j, first = rows.grouped()
-    if not most or robots < 2:
+    if robots * (robots - 1) // 2 <= most:
+        return np.triu_indices(robots, 1)
+    if not most:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    i, j, first = rows.grouped()
     last = np.maximum.reduceat(sources.time[rows.source], first[:-1]) if len(rows) else np.zeros(0)
     known = np.flatnonzero(i != WORLD)
     known = known[np.lexsort((last[known], last[known] < time))]

@@ -1,5 +1,7 @@
 """Many polygons at a time are what each of them is alone."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from helpers.worlds import unit
@@ -60,18 +62,21 @@ def test_beyond_the_last_there_is_none():
     assert len(Polygons.of([]).areas) == 0
 
 
+@pytest.mark.parametrize("far", [0.0, 1e6])
 @pytest.mark.parametrize("seed", range(6))
-def test_points_seen_from_polygons_are_in_their_spans(seed):
+def test_places_of_which_polygons_tell_are_in_the_spans(seed, far):
     rng = np.random.default_rng(seed)
-    alone = some(rng)
-    points = rng.normal(size=(len(alone), 2)) * 20
-    seen = Polygons.of(alone).mirrored(points)
-    spans = seen.spans()
+    alone = [Polygon.from_vertices(far + polygon.vertices) for polygon in some(rng)]
+    sign, radius = rng.choice([-1.0, 1.0], len(alone)), rng.uniform(0, 1, len(alone)) * (rng.random(len(alone)) < 0.7)
+    by = far * rng.choice([-1, 0, 1]) + rng.normal(size=(len(alone), 2))
+    points = by - far * sign[:, None] + rng.normal(size=(len(alone), 2)) * 10
+    spans = Polygons.of(alone).spans(sign, points, by, radius)
+    assert not spans.full.all()
     for k, polygon in enumerate(alone):
-        there = rng.dirichlet(np.ones(len(polygon.vertices)), 50) @ polygon.vertices
-        assert ((points[k] - there) @ seen[k].normals.T <= seen[k].offsets + 1e-11).all()
-        directions = points[k] - there
-        assert spans[np.full(50, k)].contains(np.arctan2(directions[:, 1], directions[:, 0])).all()
+        for vertex in polygon.vertices:
+            way = [sign[k] * Fraction(vertex[m]) + Fraction(points[k, m]) - Fraction(by[k, m]) for m in (0, 1)]
+            places = np.array([float(each) for each in way]) + radius[k] * unit(rng.uniform(-np.pi, np.pi, 30))
+            assert spans[np.full(30, k)].contains(np.arctan2(places[:, 1], places[:, 0])).all()
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -178,6 +178,27 @@ def test_rows_on_landmarks_become_rows_on_robots_that_hold_exactly(far):
             assert exact_slack(normal, rows.offset[k], point) >= 0
 
 
+@pytest.mark.parametrize("far", [0.0, 1.0, 1e6])
+def test_the_allowance_of_a_row_covers_a_normal_that_is_off_by_rounding(far):
+    rng = np.random.default_rng(4)
+    lower, marks = far * rng.normal(size=(5, 2)), far * rng.normal(size=(2, 2))
+    upper = lower + rng.uniform(0, 1, (5, 2))
+    i, j = np.sort([rng.permutation(7)[:2] for _ in range(40)]).T
+    i, j = i[i < 5], j[i < 5]
+    rows = Constraints(i, j, unit(rng.uniform(-np.pi, np.pi, len(j))), rng.normal(size=len(j)), np.arange(len(j)))
+    moved = on_robots(rows, polytope(lower, upper), marks)
+    which = np.argsort(moved.source)[rows.source]
+    off = rows.normal * (1 + np.finfo(float).eps * rng.choice([-1, 1], rows.normal.shape))
+    for k in range(len(rows)):
+        place = marks[rows.j[k] - 5] if rows.j[k] >= 5 else None
+        assert (moved.i[which[k]] == WORLD) == (place is not None)
+        others = [place] if place is not None else [lower[rows.j[k]], upper[rows.j[k]]]
+        along = [Fraction(n) * Fraction(each) for n, each in zip(rows.normal[k], others[0], strict=True)]
+        room = Fraction(moved.offset[which[k]]) - Fraction(rows.offset[k]) + (sum(along) if place is not None else 0)
+        for here in (lower[rows.i[k]], upper[rows.i[k]]):
+            assert all(abs((off[k] - rows.normal[k]) @ (there - here)) <= room for there in others)
+
+
 def test_a_row_is_moved_outward_by_no_more_than_a_millionth():
     rows = bearing_rows(np.array([0]), np.array([1]), AngularIntervals(np.array([0.3]), np.array([0.1])), np.array([0]))
     moved = on_robots(rows, polytope(np.zeros((2, 2)), np.ones((2, 2))), np.zeros((0, 2)))

@@ -122,7 +122,8 @@ class ExtendedKalmanFilter(Frozen):
     its variance is no less than a thousand roundings of the variance that the belief expects of it, so that covariances stay
     positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing. A
     position is weighed as the box around it; one without an end on all sides, as a half-plane, tells nothing. Sensors measure
-    from where they are mounted, as the mean has it; the bounds of mountings are added to those of their readings.
+    from where they are mounted, and antennas are where they are mounted, as the mean has it; the bounds of mountings are added
+    to those of their readings.
 
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
@@ -257,15 +258,18 @@ class ExtendedKalmanFilter(Frozen):
 
     def _placed(self, belief: GaussianBelief, record: Position) -> tuple[Array, Array, Array]:
         """Return the same of positions: of each robot that has one, the middle of the box around it, where that ends."""
-        found, H = list[tuple[float, float]](), list[Array]()
-        for robot in np.unique(record.robot).tolist():
-            own, place = record.robot == robot, belief.mean[robot, :2]
-            offsets = record.offset[own] - record.normals[own] @ place
+        found, H, mountings = list[tuple[float, float]](), list[Array](), self.team.mountings or NO_SENSORS
+        for first in np.unique(record.first):
+            own, robot, sensor = record.first == first, record.robot[first], record.sensor[first]
+            arm = _arms(belief, record.robot[[first]], mountings.position[[sensor]])
+            offsets = record.offset[own] - record.normals[own] @ (belief.mean[robot, :2] + arm[0])
             bounds = Polygon.from_half_planes(record.normals[own], offsets, [-ENDLESS] * 2, [ENDLESS] * 2).bounds
             for axis, (low, high) in enumerate(zip(*bounds, strict=True)):
                 if max(-low, high) < ENDLESS:
-                    found.append(((low + high) / 2, self.noise.position * (high - low) / 2))
+                    half = (high - low) / 2 + mountings.position_bound[sensor]
+                    found.append(((low + high) / 2, self.noise.position * half))
                     H.append(np.eye(belief.mean.size)[STATES * robot + axis])
+                    H[-1][STATES * robot + 2] = _turned(np.eye(2)[[axis]], arm)[0]
         innovation, deviation = np.array(found).reshape(-1, 2).T
         return innovation, np.array(H).reshape(-1, belief.mean.size), deviation**2
 

@@ -162,16 +162,16 @@ class Team(Frozen):
             named = getattr(record, role, record.robot)
             if (named >= count).any():
                 raise InvalidInput(f"a {role} among {known}", f"{role} {named[named >= count][0]}")
-        if isinstance(record, Compass | Bearing | Range):
+        if not isinstance(record, Odometry | Twist):
             self._check_sensors(record)
 
-    def _check_sensors(self, record: Compass | Bearing | Range) -> None:
+    def _check_sensors(self, record: Measurement) -> None:
         count, tags = len(self.sensors), getattr(record, "target_sensor", record.sensor)
         largest = int(max(record.sensor.max(initial=AT_THE_CENTRE), tags.max(initial=AT_THE_CENTRE)))
         if largest >= count:
             known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
             raise InvalidInput(f"a sensor among the team's, {known} for the centre", largest)
-        if not isinstance(record, Compass) and (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
+        if isinstance(record, Bearing | Range) and (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
             raise InvalidInput("a target_sensor on a robot: landmarks are where they are", "one on a landmark")
 
     def checked_change(self, change: Change, belief_time: float | None = None) -> Change:

@@ -226,8 +226,8 @@ def _declared(kind: str, name: str, table: Table, door: Door) -> Bound:
 
 
 def _mounted(what: StreamKind, kind: str, table: Table) -> dict[str, Any]:
-    """Return the keys of what sensors measure; positions are the robot's own as yet."""
-    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind == "compass" else []
+    """Return the keys of what sensors measure."""
+    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind in ("compass", "position") else []
     return {key: table.text_or(key, "the name of one in [team.sensors]", "") for key in keys}
 
 

@@ -15,6 +15,7 @@ from filter.arrays import Array, Frozen, Integers
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON, hull_of
 from filter.linear.constraints import Constraints
+from filter.records.record import AT_THE_CENTRE
 from filter.records.sensors import Mountings
 from filter.sensing.motion import CORNERS, Displacements
 from filter.sensing.readings import Readings
@@ -29,12 +30,14 @@ CORNERS_OF_SLIP = 8  # of what stands for its disc
 
 @dataclass(frozen=True, eq=False)
 class Arms(Frozen):
-    """For each of k readings, bearings before ranges, the ways from the places of sensors to the centres of their robots.
+    """For each of k readings the ways from the places of sensors to the centres of their robots.
+
+    They are bearings, then ranges, then half-planes of positions.
 
     Attributes:
         robot: (k,) who measured.
         own: (k) from the sensor that measured.
-        others: (k) from the one that was measured; of landmarks there is no way.
+        others: (k) from the one that was measured; of landmarks, and where nobody was, there is no way.
     """
 
     robot: Integers
@@ -46,10 +49,12 @@ class Arms(Frozen):
         """Return them for n robots' headings (n), or at s instants and before, (s n + n) [rad]; None if all are at centres."""
         if readings.mountings is None:
             return None
-        pairs, (_, of_bearings, of_ranges, _) = (readings.bearings, readings.ranges), readings.at
-        names = ("robot", "target", "sensor", "target_sensor")
-        robot, target, sensor, tag = (np.concatenate([getattr(each, name) for each in pairs]) for name in names)
-        first = 0 if readings.since is None else (np.concatenate([of_bearings, of_ranges]) + 1) * robots
+        nobody = np.full(len(readings.positions.robot), robots), np.full(len(readings.positions.robot), AT_THE_CENTRE)
+        pairs, alone = (readings.bearings, readings.ranges), readings.positions
+        robot, sensor = (np.concatenate([getattr(each, name) for each in (*pairs, alone)]) for name in ("robot", "sensor"))
+        target = np.concatenate([*(each.target for each in pairs), nobody[0]])
+        tag = np.concatenate([*(each.target_sensor for each in pairs), nobody[1]])
+        first = 0 if readings.since is None else (np.concatenate(readings.at[1:]) + 1) * robots
         mate = np.where(target < robots, first + target, 0)  # a landmark has no sensor, hence a way of no length
         own, others = looks[first + robot], looks[mate]
         return cls(robot, ways_from(readings.mountings, sensor, own), ways_from(readings.mountings, tag, others))

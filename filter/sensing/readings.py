@@ -31,7 +31,7 @@ class Readings(NamedTuple):
         at: Of which instant each is, for each of the four kinds; zeros if there is but one.
         since: How robots have moved from one instant to the next; None if there is but one.
         moves: Where they have gone, as compasses and odometry alone tell; None if there is but one.
-        mountings: Of sensors that bearings or ranges are measured by; None if all of them are at the centres of robots.
+        mountings: Of the sensors that measure; None if all of them, but for compasses, are at the centres of robots.
     """
 
     compasses: Compass
@@ -63,7 +63,8 @@ class Readings(NamedTuple):
         if mountings is None:
             return cls(compasses, bearings, ranges, positions, at, since)
         compasses, bearings = (_looking_forward(record, mountings) for record in (compasses, bearings))
-        off = any(mountings.spot[column].any() for each in (bearings, ranges) for column in (each.sensor, each.target_sensor))
+        of_pairs = (column for each in (bearings, ranges) for column in (each.sensor, each.target_sensor))
+        off = any(mountings.spot[column].any() for column in (*of_pairs, positions.sensor))
         return cls(compasses, bearings, ranges, positions, at, since, None, mountings if off else None)
 
     @property

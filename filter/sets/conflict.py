@@ -233,9 +233,8 @@ def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
 
 
 def _first_places(record: Measurement) -> Integers:
-    """Return (k,) where in a record the measurement begins that each place is of: half-planes of one robot are one position."""
-    places = np.arange(len(record.robot))
-    return np.argmax(record.robot == record.robot[:, None], axis=1) if isinstance(record, Position) else places
+    """Return (k,) where in a record the measurement begins that each place is of."""
+    return record.first if isinstance(record, Position) else np.arange(len(record.robot))
 
 
 def without(measurements: Sequence[Measurement], dropped: Collection[Reading]) -> tuple[Measurement, ...]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.sensing.mounted import MountedWorld
+from helpers.sensing.mounted import MountedWorld, rotation
 from helpers.worlds import World
 
 from filter import (
@@ -31,10 +31,6 @@ def excluded(belief, world):
     """Return the robots of which a belief excludes the true place, and the true heading."""
     places, ways = belief.regions.contains(world.positions), belief.headings.contains(world.headings)
     return np.flatnonzero(~places).tolist(), np.flatnonzero(~ways).tolist()
-
-
-def rotation(angle):
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 @pytest.mark.parametrize("seed", range(40))

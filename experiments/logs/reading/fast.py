@@ -117,7 +117,7 @@ class Fast:
             return list(map(self._mounted, sensor))
         return AT_THE_CENTRE if sensor is None else self._body(sensor, self._sensors)
 
-    def _fix(self, time: float, robot: Any, position: tuple[float, float], bound: Any) -> Position:
+    def _fix(self, time: float, robot: Any, position: tuple[float, float], bound: Any, sensor: Any) -> Position:
         middle, half = np.array(position), np.array(bound)
         if half.shape not in ((), (2,)):
             raise _Unusual
@@ -125,7 +125,9 @@ class Fast:
         if max(np.abs(lower).max(), np.abs(upper).max()) > LARGEST:
             raise _Unusual
         robots = read_only(np.full(4, self._body(robot, self._robots)))
-        return settled(Position, time=time, robot=robots, **_AXES, offset=read_only(np.concatenate([upper, -lower])))
+        sensors = _centres(4) if sensor is UNSET else read_only(np.full(4, self._mounted(sensor)))
+        offset = read_only(np.concatenate([upper, -lower]))
+        return settled(Position, time=time, robot=robots, **_AXES, offset=offset, sensor=sensors)
 
     def _truth(self, time: float, positions: list[Any], headings: list[Any]) -> TruthAt:
         if not len(positions) == len(headings) == self._robots.count:

@@ -104,6 +104,7 @@ class FixLine(Line, Generic[Body], tag="position"):
     robot: Body
     position: Point
     bound: Positive | list[Positive]
+    sensor: Body | UnsetType | None = UNSET
 
 
 class TruthLine(Line, tag="truth"):

@@ -15,6 +15,7 @@ from filter import (
     Measurement,
     Odometry,
     Polygon,
+    Position,
     Range,
     Sensor,
     Team,
@@ -26,6 +27,11 @@ def turned(by: Array, vectors: Array) -> Array:
     """Return vectors (k, 2) turned by (k,) angles [rad]."""
     sine, cosine = np.sin(by), np.cos(by)
     return np.stack([cosine * vectors[:, 0] - sine * vectors[:, 1], sine * vectors[:, 0] + cosine * vectors[:, 1]], axis=1)
+
+
+def rotation(angle: float) -> Array:
+    """Return the (2, 2) matrix that turns by an angle [rad]."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 @dataclass
@@ -90,6 +96,23 @@ class MountedWorld:
         """Return where sensors (k,) of robots, or landmarks, (k,) really are, (k, 2) [m]."""
         bodies, headings = np.vstack([self.positions, self.team.landmarks]), np.append(self.headings, [0.0] * self.landmarks)
         return bodies[body] + turned(headings[body], self.places[sensor])
+
+    def placed(self, time: float = 0.0, share: float = 0.7) -> list[Position]:
+        """Return where a share of the antennas are: in a box, in a disc, or on one side of a line."""
+        robots, sensors = np.divmod(np.arange(4 * self.robots), 4)
+        places = self.places_of(robots, sensors - 1)
+        every = zip(robots.tolist(), sensors - 1, places, strict=True)
+        return [self._around(time, *each) for each in every if self.rng.random() < share]
+
+    def _around(self, time: float, robot: int, sensor: int, place: Array) -> Position:
+        half, way, form = self.rng.uniform(0, 0.3, 2), self.rng.uniform(-np.pi, np.pi), self.rng.integers(3)
+        if form == 0:
+            return Position.fix(time, robot, place + half * self.error(2), half, sensor)
+        normal = np.array([np.cos(way), np.sin(way)])
+        near = place - half[0] * np.abs(self.error(1)) * normal
+        if form == 1:
+            return Position.disc(time, robot, near, half[0] + 1e-9, 16, sensor)
+        return Position.half_plane(time, robot, -3 * normal, -3 * (normal @ near), sensor)
 
     def measure(self, time: float = 0.0, bearings: float = 0.7, ranges: float = 0.7, compass: float = 0.5) -> list[Measurement]:
         """Return what a share of all sensors measures."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from math import erfc
 
 import numpy as np
@@ -31,7 +32,6 @@ ENDLESS = 1e9  # a position that reaches so far from where a robot is believed t
 NEAREST = 1e-6  # nearer than this no target has a direction [m]
 FINEST = 1e-15  # no deviation of a reading counts as smaller [m], [rad], ...
 ROUNDING = 2.0**-42  # ... and no variance as a smaller share of the one that the belief expects of the reading
-NO_SENSORS = Mountings.of(())  # all at the centre
 QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no belief: that is an error of ours
 
 
@@ -123,7 +123,7 @@ class ExtendedKalmanFilter(Frozen):
     positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing. A
     position is weighed as the box around it; one without an end on all sides, as a half-plane, tells nothing. Sensors measure
     from where they are mounted, and antennas are where they are mounted, as the mean has it; the bounds of mountings are added
-    to those of their readings.
+    to those of their readings, and so is how far robots can get, and turn, within the time that a sensor's clock can be off.
 
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
@@ -227,28 +227,31 @@ class ExtendedKalmanFilter(Frozen):
         if isinstance(record, Position):
             return self._placed(belief, record)
         count, robot, sensor = len(record.robot), record.robot, record.sensor
-        H, rows, mountings = np.zeros((count, belief.mean.size)), np.arange(count), self.team.mountings or NO_SENSORS
+        H, rows, mountings = np.zeros((count, belief.mean.size)), np.arange(count), self._mountings
+        turned = mountings.angle_bound[sensor] + mountings.swing[sensor, robot]
         if isinstance(record, Compass):
             H[rows, STATES * robot + 2] = 1
             innovation = wrap(record.heading - mountings.angle[sensor] - belief.mean[robot, 2])
-            return innovation, H, (self.noise.compass * (record.bound + mountings.angle_bound[sensor])) ** 2
+            return innovation, H, (self.noise.compass * (record.bound + turned)) ** 2
         arms, tags = (_arms(belief, body, mountings.position[each]) for body, each in _ends(record))
         bodies = np.concatenate([belief.mean[:, :2], self.team.landmarks])
         away = bodies[record.target] + tags - bodies[robot] - arms
         distance, off = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST), mountings.position_bound[sensor]
+        moving = np.flatnonzero(record.target < self.team.robots)
         off, towards = off + mountings.position_bound[record.target_sensor], away / distance[:, None]
+        off += mountings.astray(sensor, sensor, robot)
+        off[moving] += mountings.astray(sensor[moving], record.target_sensor[moving], record.target[moving])
         if isinstance(record, Bearing):
             slope = np.column_stack([-towards[:, 1], towards[:, 0]]) / distance[:, None]
             H[rows, STATES * robot + 2] = -1
             way = belief.mean[robot, 2] + mountings.angle[sensor]
             innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - way))
-            variance = (self.noise.bearing * (record.bound + mountings.angle_bound[sensor] + off / distance)) ** 2
+            variance = (self.noise.bearing * (record.bound + turned + off / distance)) ** 2
         else:
             slope, innovation = towards, record.range - distance
             # At the predicted distances: at the measured ones, short readings would weigh more.
             variance = (self.noise.range * (record.bound + off + record.relative_bound * distance)) ** 2
         H[distance <= NEAREST] = slope[distance <= NEAREST] = 0
-        moving = np.flatnonzero(record.target < self.team.robots)
         H[rows, STATES * robot + 2] -= _turned(slope, arms)
         H[moving, STATES * record.target[moving] + 2] += _turned(slope, tags)[moving]
         for axis in range(2):
@@ -256,9 +259,15 @@ class ExtendedKalmanFilter(Frozen):
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
 
+    @cached_property
+    def _mountings(self) -> Mountings:
+        team = self.team
+        return team.mountings or Mountings.of((), team.speed_limit, team.turn_rate_limit)
+
     def _placed(self, belief: GaussianBelief, record: Position) -> tuple[Array, Array, Array]:
         """Return the same of positions: of each robot that has one, the middle of the box around it, where that ends."""
-        found, H, mountings = list[tuple[float, float]](), list[Array](), self.team.mountings or NO_SENSORS
+        found, H, mountings = list[tuple[float, float]](), list[Array](), self._mountings
+        off = mountings.position_bound[record.sensor] + mountings.astray(record.sensor, record.sensor, record.robot)
         for first in np.unique(record.first):
             own, robot, sensor = record.first == first, record.robot[first], record.sensor[first]
             arm = _arms(belief, record.robot[[first]], mountings.position[[sensor]])
@@ -266,8 +275,7 @@ class ExtendedKalmanFilter(Frozen):
             bounds = Polygon.from_half_planes(record.normals[own], offsets, [-ENDLESS] * 2, [ENDLESS] * 2).bounds
             for axis, (low, high) in enumerate(zip(*bounds, strict=True)):
                 if max(-low, high) < ENDLESS:
-                    half = (high - low) / 2 + mountings.position_bound[sensor]
-                    found.append(((low + high) / 2, self.noise.position * half))
+                    found.append(((low + high) / 2, self.noise.position * ((high - low) / 2 + off[first])))
                     H.append(np.eye(belief.mean.size)[STATES * robot + axis])
                     H[-1][STATES * robot + 2] = _turned(np.eye(2)[[axis]], arm)[0]
         innovation, deviation = np.array(found).reshape(-1, 2).T

@@ -77,6 +77,7 @@ class Team(Frozen):
         robots: Number of robots n, from 1 to 1 000 000, or their names.
         landmarks: (l, 2) known positions of the landmarks, or such by their names [m].
         speed_limit: (n,) greatest speed of robots without odometry, one for all or each its own [m/s]; 0 for what never moves.
+            Of all robots, if a sensor has a `time_bound`.
         turn_rate_limit: (n,) greatest turn rate of robots without odometry, likewise [rad/s].
         arena: (2, 2) lower and upper corner of a box that no robot leaves, not empty [m]; infinite where there is none.
         names: (n + l,) of robots and landmarks, no two alike: r0, r1, ... and l0, l1, ... unless they were given.
@@ -123,6 +124,9 @@ class Team(Frozen):
         count = self.robots + len(self.landmarks)
         names = names_in(f"one name for each of {count} robots and landmarks", self.names or (*robots, *marks), count)
         settle(self, names=names, **{limit: self._each(limit) for limit in LIMITS})
+        late = max((sensor.time_bound for sensor in self.sensors), default=0.0)
+        if max(self.speed_limit.max(), self.turn_rate_limit.max()) * late > LARGEST:
+            raise InvalidInput(f"time bounds of sensors in which robots get no farther than {LARGEST:g} m", f"{late!r} s")
 
     def _taken_apart(self) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
         """Put numbers and arrays in the place of names and mappings; return the names of robots and of landmarks."""
@@ -151,7 +155,7 @@ class Team(Frozen):
     @cached_property
     def mountings(self) -> Mountings | None:
         """How the sensors are mounted, by their numbers; None if there are none."""
-        return Mountings.of(self.sensors) if self.sensors else None
+        return Mountings.of(self.sensors, self.speed_limit, self.turn_rate_limit) if self.sensors else None
 
     def check(self, record: Measurement | Odometry | Twist) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""

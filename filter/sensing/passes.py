@@ -270,9 +270,11 @@ def matter(robots: Integers, areas: Array) -> bool:
 
 
 def are_smaller(now: Array, before: Array) -> bool:
-    """Return whether (n,) areas have become smaller than before [m2], all together or most of them."""
+    """Return whether (n,) areas have become smaller than before [m2], all together or most of them; those of nothing cannot."""
+    if not before.any():
+        return False
     shares = np.divide(now, before, out=np.ones(len(now)), where=before > 0)
-    return bool(min(now.sum() / max(before.sum(), np.finfo(float).tiny), shares.mean()) < 1 - WORTH_IT)
+    return bool(min(now.sum() / before.sum(), shares.mean()) < 1 - WORTH_IT)
 
 
 def boxed_at_a_glance(polytope: Polytope) -> Polytope:

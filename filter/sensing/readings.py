@@ -89,14 +89,17 @@ class Readings(NamedTuple):
     def spots(self, record: Bearing | Range) -> tuple[Integers | int, int]:
         """Return numbers (k,) for the places of sensors between which bearings or ranges are measured, and how many there are.
 
-        Those of the body with the lower number count first.
+        Those of the body with the lower number count first. Where nobody knows for sure when it was measured, each is its own.
         """
         if self.mountings is None:
             return 0, 1
         spots, forth = self.mountings.spot, record.robot < record.target
         first = spots[np.where(forth, record.sensor, record.target_sensor)]
         last, count = spots[np.where(forth, record.target_sensor, record.sensor)], len(spots)
-        return first * count + last, count**2
+        sizes = [len(each.robot) for each in (self.bearings, self.ranges)]
+        alone = count**2 + np.arange(len(record.robot)) + (0 if isinstance(record, Bearing) else sizes[0])
+        doubtful = self.mountings.time_bound[record.sensor] > 0
+        return np.where(doubtful, alone, first * count + last), count**2 + sum(sizes)
 
     def tie_robots(self, robots: int) -> bool:
         """Return whether one of n robots measured another."""
@@ -125,10 +128,11 @@ def _sorted(kind: type[Measurement], time: float, measurements: Sequence[Measure
 
 
 def _looking_forward(record: Any, mountings: Mountings) -> Any:
-    """Return compasses or bearings of sensors as those of robots' forward axes."""
+    """Return compasses or bearings of sensors as those of robots' forward axes, at the stamps."""
     if (record.sensor == AT_THE_CENTRE).all():
         return record
-    angle, bound = mountings.angle[record.sensor], record.bound + mountings.angle_bound[record.sensor]
+    angle, off = mountings.angle[record.sensor], mountings.angle_bound[record.sensor]
+    bound = record.bound + off + mountings.swing[record.sensor, record.robot]
     name, sign = ("heading", -1.0) if isinstance(record, Compass) else ("bearing", 1.0)
     columns = {each: getattr(record, each) for each in field_names(record)}
     return type(record).of_checked(record.time, columns | {name: columns[name] + sign * angle, "bound": bound})

@@ -62,6 +62,7 @@ def test_settings_that_work(read):
         ),
         (OF_BAGS.replace("speed", "sensors = { tag = { angle = 90, angle_bound = 0 } }\nspeed", 1), "angle: within a turn"),
         (OF_BAGS.replace("speed", "sensors = { tag = { place = 1 } }\nspeed", 1), 'came "place"'),
+        (OF_BAGS.replace("speed", "sensors = { tag = { time_bound = -1 } }\nspeed", 1), "time_bound: how far off its stamps"),
     ],
 )
 def test_a_slip_in_what_is_known_of_the_team_is_told(read, text, told):

@@ -208,7 +208,7 @@ def test_the_example_for_newcomers_works(converted):
 
 
 def test_what_mounted_sensors_measure_is_said_to_be_theirs(converted, tmp_path):
-    camera, tag = "position = [0.2, -0.1], position_bound = 0.01", "angle = 90, angle_bound = 1, unit = 'degrees'"
+    camera, tag = "position = [0.2, -0.1], position_bound = 0.01", "angle = 90, angle_bound = 1, unit = 'degrees', time_bound = 0.05"
     sensors = f"sensors = {{ camera = {{ {camera} }}, tag = {{ {tag} }} }}"
     head = OF_TABLES.replace("speed_limit", f"{sensors}\nspeed_limit", 1)
     seen = 'file = "seen.csv", id = "id", bound = 0.1, sensor = "camera", target_sensor = "tag"'
@@ -227,5 +227,6 @@ def test_what_mounted_sensors_measure_is_said_to_be_theirs(converted, tmp_path):
     ]
     camera, tag = LogReader(tmp_path / "out.jsonl").header.team.sensors
     assert (camera.name, camera.position.tolist(), camera.position_bound, camera.angle) == ("camera", [0.2, -0.1], 0.01, 0.0)
+    assert (camera.time_bound, tag.time_bound) == (0.0, 0.05)
     assert (tag.name, tag.angle, tag.angle_bound) == ("tag", pytest.approx(math.pi / 2), pytest.approx(math.pi / 180))
     assert [each.sensor.tolist() for each in LogReader(tmp_path / "out.jsonl").records()] == [[1], [0], [0], [0] * 4]

@@ -125,14 +125,22 @@ class MountedWorld:
             who, whom = robot[some], target[some]
             sensor = rng.choice([-1, 0, 1], len(who), p=[0.2, 0.5, 0.3])
             tag = np.where(whom < self.robots, rng.choice([-1, 0, 1], len(who), p=[0.2, 0.5, 0.3]), -1)
-            away = self.places_of(whom, tag) - self.places_of(who, sensor)
-            error, half = self.sloppy * self.error(len(who)), self.sloppy + 1e-9
-            if kind is Bearing:
-                value = np.arctan2(away[:, 1], away[:, 0]) - self.headings[who] - self.angles[sensor] + error
-                found.append(Bearing(time, who, whom, value, half, sensor, tag))
-            else:
-                value = np.maximum(np.hypot(*away.T) + error, 0.0)
-                found.append(Range(time, who, whom, value, half, 0.0, sensor, tag))
-        who = np.flatnonzero(rng.random(self.robots) < compass)
+            found.append(self.sighted(kind, time, (who, whom), (sensor, tag)))
+        return [*found, self.shown(time, np.flatnonzero(rng.random(self.robots) < compass))]
+
+    def sighted(
+        self, kind: type[Bearing | Range], time: float, bodies: tuple[Integers, Integers], sensors: tuple[Integers, Integers]
+    ) -> Bearing | Range:
+        """Return what robots, by their sensors (k,), measure of bodies, or of sensors of these (k,)."""
+        (who, whom), (sensor, tag) = bodies, sensors
+        away = self.places_of(whom, tag) - self.places_of(who, sensor)
+        error, half = self.sloppy * self.error(len(who)), self.sloppy + 1e-9
+        if kind is Bearing:
+            value = np.arctan2(away[:, 1], away[:, 0]) - self.headings[who] - self.angles[sensor] + error
+            return Bearing(time, who, whom, value, half, sensor, tag)
+        return Range(time, who, whom, np.maximum(np.hypot(*away.T) + error, 0.0), half, 0.0, sensor, tag)
+
+    def shown(self, time: float, who: Integers) -> Compass:
+        """Return what compasses of robots (k,) show."""
         shown = wrap(self.headings[who] + self.angles[2] + self.sloppy * self.error(len(who)))
-        return [*found, Compass(time, who, shown, self.sloppy + 1e-9, 2)]
+        return Compass(time, who, shown, self.sloppy + 1e-9, 2)

@@ -153,9 +153,14 @@ class Team(Frozen):
         return read_only(np.broadcast_to(values, self.robots))
 
     @cached_property
+    def mounted(self) -> Mountings:
+        """How the sensors are mounted, by their numbers, of which -1 is at the centre."""
+        return Mountings.of(self.sensors, self.speed_limit, self.turn_rate_limit)
+
+    @property
     def mountings(self) -> Mountings | None:
-        """How the sensors are mounted, by their numbers; None if there are none."""
-        return Mountings.of(self.sensors, self.speed_limit, self.turn_rate_limit) if self.sensors else None
+        """The same; None if there are no sensors."""
+        return self.mounted if self.sensors else None
 
     def check(self, record: Measurement | Odometry | Twist) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""

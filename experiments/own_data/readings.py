@@ -88,7 +88,7 @@ class Sightings(Reading):
         if what == "range":
             return metres(deviations, self.door.length)
         bound = radians(deviations, self.door.angle)
-        if bound >= math.pi / 2:
+        if bound >= math.pi:
             raise Unmeasured("its covariance allows any direction")
         return bound
 

@@ -19,8 +19,6 @@ RIGHT_ANGLE = math.nextafter(math.pi / 2, 0)
 LARGEST_ERROR = "the largest error that there ever is"
 # What bounds on angles and their rates do not exceed; half a circle where nothing is said [rad, rad/s].
 LARGEST = {
-    ("bearing", "bound"): RIGHT_ANGLE,
-    ("detections", "bearing_bound"): RIGHT_ANGLE,
     ("odometry", "direction_bound"): RIGHT_ANGLE,
     ("twist", "direction_bound"): RIGHT_ANGLE,
     ("twist", "turn_rate_bound"): math.inf,

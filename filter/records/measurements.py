@@ -22,7 +22,7 @@ from filter.arrays import Array, Floats, Integers, checked, finite, instance, nu
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import BY_HAND, Polygon
-from filter.records.record import AT_THE_CENTRE, BELOW_1, BELOW_90_DEGREES, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
+from filter.records.record import AT_THE_CENTRE, BELOW_1, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
 
 
 def _centre() -> Integers:
@@ -75,7 +75,7 @@ class Bearing(_Sighting):
         robot: (k,) who measured.
         target: (k,) robot or landmark that was seen, not itself.
         bearing: (k,) measured angle from the sensor's forward axis, counter-clockwise [rad].
-        bound: (k,) largest error, in [0, pi/2) [rad].
+        bound: (k,) largest error, in [0, pi] [rad]; one of pi says nothing.
         sensor: (k,) which sensor of the robot measured.
         target_sensor: (k,) which sensor, or tag, of a robot was seen.
     """
@@ -84,7 +84,7 @@ class Bearing(_Sighting):
     robot: Integers = field(metadata=ROBOT)
     target: Integers = field(metadata=TARGET)
     bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
-    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, BELOW_90_DEGREES))
+    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, np.pi))
     sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
     target_sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
 
@@ -187,8 +187,8 @@ class Position(Record):
     @property
     def first(self) -> Integers:
         """(k,) where in the record the measurement begins that each half-plane is of."""
-        of, by = self.robot[:, None] == self.robot, self.sensor[:, None] == self.sensor
-        return np.argmax(of & by, axis=1) if len(self.robot) else self.robot
+        _, first, which = np.unique(np.stack([self.robot, self.sensor]), axis=1, return_index=True, return_inverse=True)
+        return np.asarray(first[which.ravel()])
 
     @classmethod
     def within(cls, time: float, robot: int, polygon: Polygon, sensor: int = AT_THE_CENTRE) -> Self:

@@ -92,6 +92,17 @@ class Mountings(Table):
         length = np.hypot(self.position[sensor, 0], self.position[sensor, 1])
         return np.asarray(self.drift[clock, robot] + length * self.swing[clock, robot])
 
+    def off(self, ends: tuple[Integers, Integers], sensors: tuple[Integers, Integers]) -> Array:
+        """Return how far (k,) the ways from sensors to those of targets can be others than as mounted, at the stamps [m].
+
+        Ends are robots and targets (k,), sensors those that measured and those that were measured (k,).
+        """
+        (robot, target), (sensor, tag) = ends, sensors
+        off = self.position_bound[sensor] + self.position_bound[tag] + self.astray(sensor, sensor, robot)
+        moving = np.flatnonzero(target < self.drift.shape[1])
+        off[moving] += self.astray(sensor[moving], tag[moving], target[moving])
+        return np.asarray(off)
+
 
 def sensors_in(values: Iterable[Sensor]) -> tuple[Sensor, ...]:
     """Return sensors, from whatever holds them; raises `InvalidInput` if something is none, or has the name of another."""

@@ -55,7 +55,7 @@ COLUMNS = {
         "hold": numbers(1e-6, 1e100),
     },
     "compass": {"heading": ANY, "bound": numbers(0, np.pi)},
-    "bearing": {"bearing": ANY, "bound": BELOW_90},
+    "bearing": {"bearing": ANY, "bound": numbers(0, np.pi)},
     "range": {"range": POSITIVE, "bound": POSITIVE, "relative_bound": numbers(0, 0.9999999999999999)},
 }
 

@@ -208,7 +208,10 @@ def test_the_example_for_newcomers_works(converted):
 
 
 def test_what_mounted_sensors_measure_is_said_to_be_theirs(converted, tmp_path):
-    camera, tag = "position = [0.2, -0.1], position_bound = 0.01", "angle = 90, angle_bound = 1, unit = 'degrees', time_bound = 0.05"
+    camera, tag = (
+        "position = [0.2, -0.1], position_bound = 0.01",
+        "angle = 90, angle_bound = 1, unit = 'degrees', time_bound = 0.05",
+    )
     sensors = f"sensors = {{ camera = {{ {camera} }}, tag = {{ {tag} }} }}"
     head = OF_TABLES.replace("speed_limit", f"{sensors}\nspeed_limit", 1)
     seen = 'file = "seen.csv", id = "id", bound = 0.1, sensor = "camera", target_sensor = "tag"'

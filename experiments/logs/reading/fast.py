@@ -16,7 +16,7 @@ from msgspec import UNSET, DecodeError
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
-from experiments.logs.checks import AT_THE_CENTRE, BELOW_90_DEGREES, LARGEST, field_names, read_only
+from experiments.logs.checks import AT_THE_CENTRE, LARGEST, field_names, read_only
 from experiments.logs.reading import typed
 from experiments.logs.reading.bodies import Bodies, bodies_of, sensors_of
 from experiments.logs.reading.pairs import without_pairs
@@ -24,7 +24,7 @@ from experiments.logs.records import FIRST, FrameEnd, Header, Record, TruthAt, s
 from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, Truth, Twist
 
 _NAMES: dict[type, list[str]] = {kind: field_names(kind) for kind in (Odometry, Twist, Compass, Bearing, Range)}
-_MOST: dict[type[Compass | Bearing | Range], float] = {Compass: np.pi, Bearing: BELOW_90_DEGREES, Range: LARGEST}
+_MOST: dict[type[Compass | Bearing | Range], float] = {Compass: np.pi, Bearing: np.pi, Range: LARGEST}
 _AXES = {name: read_only(np.array(column)) for name, column in (("normal_x", [1.0, 0, -1, 0]), ("normal_y", [0, 1.0, 0, -1]))}
 
 

@@ -227,7 +227,7 @@ def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
     """Return every single measurement, in order, as a source."""
     found = dict[Reading, Source]()
     for k, record in enumerate(measurements):
-        table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, targets_of(record))
+        table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, targets_of(record), record.sensor)
         found |= {(k, place): table[place] for place in np.unique(_first_places(record)).tolist()}
     return found
 

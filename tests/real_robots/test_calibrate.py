@@ -93,7 +93,7 @@ def test_sensors_that_are_mounted_somewhere_and_whose_clocks_are_off_keep_their_
     world = kind(np.random.default_rng(seed), robots=3, reach=0.8)
     truth = Truth(world.positions, world.headings)
     found = sensor_errors([Frame(0.0, None, world.measure(), truth)], world.team)
-    assert len(found) == 3
+    assert {"bearing", "range"} <= {errors.kind for errors in found}
     assert not any(errors.broken.any() for errors in found)
     if kind is MountedWorld:
         assert max(np.abs(by(found, "range").error)) < 0.03 + 4 * world.bound

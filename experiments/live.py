@@ -153,7 +153,7 @@ class Live:
             try:
                 self._through(self._answering, batch)
             except Inconsistent as error:
-                conflict = str(error)
+                conflict = error.named(header.team)
             except KeyboardInterrupt:
                 stopped = True
         self._tell(conflict)

@@ -17,11 +17,10 @@ from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
-from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
+from filter.records.measurements import Bearing, Compass, Measurement, Position
 from filter.records.odometry import Odometry
 from filter.records.presence import Change, Left
 from filter.records.record import BELOW_1, TIME
-from filter.records.sensors import Mountings
 from filter.team import Team
 
 STATES = 3  # x, y, heading
@@ -31,7 +30,6 @@ ENDLESS = 1e9  # a position that reaches so far from where a robot is believed t
 NEAREST = 1e-6  # nearer than this no target has a direction [m]
 FINEST = 1e-15  # no deviation of a reading counts as smaller [m], [rad], ...
 ROUNDING = 2.0**-42  # ... and no variance as a smaller share of the one that the belief expects of the reading
-NO_SENSORS = Mountings.of(())  # all at the centre
 QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no belief: that is an error of ours
 
 
@@ -89,10 +87,8 @@ class GaussianBelief(Frozen):
     @property
     def guarantee(self) -> Guarantee:
         """There never is one."""
-        robots = len(self.mean)
-        return Guarantee(
-            np.full(robots, -np.inf), ("it holds with a probability, if the noise model is right",) * robots, self.away
-        )
+        robots, why = len(self.mean), "it holds with a probability, if the noise model is right"
+        return Guarantee(np.full(robots, -np.inf), (why,) * robots, self.away)
 
     @property
     def position_covariances(self) -> Array:
@@ -120,9 +116,11 @@ class ExtendedKalmanFilter(Frozen):
 
     A reading whose declared bound is zero, or finer than doubles can tell beside what is known, counts as exact as they can:
     its variance is no less than a thousand roundings of the variance that the belief expects of it, so that covariances stay
-    positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing. A
-    position is weighed as the box around it; one without an end on all sides, as a half-plane, tells nothing. Sensors measure
-    from where they are mounted, as the mean has it; the bounds of mountings are added to those of their readings.
+    positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing; nor
+    does a bearing that may be off by half a turn. A position is weighed as the box around it; one without an end on all sides,
+    as a half-plane, tells nothing. Sensors measure from where they are mounted, and antennas are where they are mounted, as the
+    mean has it; the bounds of mountings are added to those of their readings, and so is how far robots can get, and turn,
+    within the time that a sensor's clock can be off.
 
     Raises `InvalidInput` if an attribute is of another type, or the gate out of its range.
 
@@ -143,8 +141,7 @@ class ExtendedKalmanFilter(Frozen):
         """Return the belief before any measurement: the moments of uniform distributions over the bounds of the sets."""
         polygons, arcs = self.team.initial(positions, headings)
         corners = np.array([polygon.bounds for polygon in polygons])
-        half = (corners[:, 1] - corners[:, 0]) / 2
-        deviations = UNIFORM * np.column_stack([half, arcs.bound])
+        deviations = UNIFORM * np.column_stack([(corners[:, 1] - corners[:, 0]) / 2, arcs.bound])
         mean = np.column_stack([corners.mean(axis=1), arcs.centre])
         return GaussianBelief(time, mean, np.diag(deviations.ravel() ** 2))
 
@@ -225,29 +222,35 @@ class ExtendedKalmanFilter(Frozen):
         """Return innovations (k,), Jacobian (k, 3n) and variances (k,) of a record at the mean."""
         if isinstance(record, Position):
             return self._placed(belief, record)
-        count, robot, sensor = len(record.robot), record.robot, record.sensor
-        H, rows, mountings = np.zeros((count, belief.mean.size)), np.arange(count), self.team.mountings or NO_SENSORS
+        robot, sensor, rows, mountings = record.robot, record.sensor, np.arange(len(record.robot)), self.team.mounted
+        H = np.zeros((len(rows), belief.mean.size))
+        turned = mountings.angle_bound[sensor] + mountings.swing[sensor, robot]
         if isinstance(record, Compass):
             H[rows, STATES * robot + 2] = 1
             innovation = wrap(record.heading - mountings.angle[sensor] - belief.mean[robot, 2])
-            return innovation, H, (self.noise.compass * (record.bound + mountings.angle_bound[sensor])) ** 2
-        arms, tags = (_arms(belief, body, mountings.position[each]) for body, each in _ends(record))
-        bodies = np.concatenate([belief.mean[:, :2], self.team.landmarks])
-        away = bodies[record.target] + tags - bodies[robot] - arms
-        distance, off = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST), mountings.position_bound[sensor]
-        off, towards = off + mountings.position_bound[record.target_sensor], away / distance[:, None]
+            return innovation, H, (self.noise.compass * (record.bound + turned)) ** 2
+        ends, sensors = (robot, record.target), (sensor, record.target_sensor)
+        arms, tags = (_arms(belief, body, mountings.position[each]) for body, each in zip(ends, sensors, strict=True))
+        places = np.concatenate([belief.mean[:, :2], self.team.landmarks])[record.target] + tags
+        away = places - belief.mean[robot, :2] - arms
+        distance, off = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST), mountings.off(ends, sensors)
+        towards, nothing, moving = (
+            away / distance[:, None],
+            distance <= NEAREST,
+            np.flatnonzero(record.target < len(belief.mean)),
+        )
         if isinstance(record, Bearing):
+            nothing |= record.bound + turned >= np.pi
             slope = np.column_stack([-towards[:, 1], towards[:, 0]]) / distance[:, None]
             H[rows, STATES * robot + 2] = -1
             way = belief.mean[robot, 2] + mountings.angle[sensor]
             innovation = wrap(record.bearing - (np.arctan2(away[:, 1], away[:, 0]) - way))
-            variance = (self.noise.bearing * (record.bound + mountings.angle_bound[sensor] + off / distance)) ** 2
+            variance = (self.noise.bearing * (record.bound + turned + off / distance)) ** 2
         else:
             slope, innovation = towards, record.range - distance
             # At the predicted distances: at the measured ones, short readings would weigh more.
             variance = (self.noise.range * (record.bound + off + record.relative_bound * distance)) ** 2
-        H[distance <= NEAREST] = slope[distance <= NEAREST] = 0
-        moving = np.flatnonzero(record.target < self.team.robots)
+        H[nothing] = slope[nothing] = 0
         H[rows, STATES * robot + 2] -= _turned(slope, arms)
         H[moving, STATES * record.target[moving] + 2] += _turned(slope, tags)[moving]
         for axis in range(2):
@@ -257,22 +260,20 @@ class ExtendedKalmanFilter(Frozen):
 
     def _placed(self, belief: GaussianBelief, record: Position) -> tuple[Array, Array, Array]:
         """Return the same of positions: of each robot that has one, the middle of the box around it, where that ends."""
-        found, H = list[tuple[float, float]](), list[Array]()
-        for robot in np.unique(record.robot).tolist():
-            own, place = record.robot == robot, belief.mean[robot, :2]
-            offsets = record.offset[own] - record.normals[own] @ place
+        found, H, mountings = list[tuple[float, float]](), list[Array](), self.team.mounted
+        off = mountings.position_bound[record.sensor] + mountings.astray(record.sensor, record.sensor, record.robot)
+        for first in np.unique(record.first):
+            own, robot, sensor = record.first == first, record.robot[first], record.sensor[first]
+            arm = _arms(belief, record.robot[[first]], mountings.position[[sensor]])
+            offsets = record.offset[own] - record.normals[own] @ (belief.mean[robot, :2] + arm[0])
             bounds = Polygon.from_half_planes(record.normals[own], offsets, [-ENDLESS] * 2, [ENDLESS] * 2).bounds
             for axis, (low, high) in enumerate(zip(*bounds, strict=True)):
                 if max(-low, high) < ENDLESS:
-                    found.append(((low + high) / 2, self.noise.position * (high - low) / 2))
+                    found.append(((low + high) / 2, self.noise.position * ((high - low) / 2 + off[first])))
                     H.append(np.eye(belief.mean.size)[STATES * robot + axis])
+                    H[-1][STATES * robot + 2] = _turned(np.eye(2)[[axis]], arm)[0]
         innovation, deviation = np.array(found).reshape(-1, 2).T
         return innovation, np.array(H).reshape(-1, belief.mean.size), deviation**2
-
-
-def _ends(record: Bearing | Range) -> tuple[tuple[Integers, Integers], tuple[Integers, Integers]]:
-    """Return the bodies and the sensors (k,) that measured, and those that were measured."""
-    return (record.robot, record.sensor), (record.target, record.target_sensor)
 
 
 def _arms(belief: GaussianBelief, body: Integers, position: Array) -> Array:

@@ -3,7 +3,7 @@
 Nothing a solver throws escapes, and no input is checked by `assert`. An error leaves every belief as it was.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 
@@ -55,5 +55,13 @@ class Inconsistent(CorralError):
     """
 
     def __init__(self, what: str, sources: Sequence[Any]) -> None:
-        super().__init__(f"{what}: no configuration satisfies all of: {'; '.join(map(str, sources))}")
+        super().__init__(_conflict(what, map(str, sources)))
         self.what, self.sources = what, tuple(sources)
+
+    def named(self, team: Any) -> str:
+        """Return it in words, with the names that a team has for robots, landmarks and sensors."""
+        return _conflict(self.what, (source.named(team) for source in self.sources))
+
+
+def _conflict(what: str, sources: Iterable[str]) -> str:
+    return f"{what}: no configuration satisfies all of: {'; '.join(sources)}"

@@ -78,6 +78,7 @@ class Team(Frozen):
         robots: Number of robots n, from 1 to 1 000 000, or their names.
         landmarks: (l, 2) known positions of the landmarks, or such by their names [m].
         speed_limit: (n,) greatest speed of robots without odometry, one for all or each its own [m/s]; 0 for what never moves.
+            Of all robots, if a sensor has a `time_bound`.
         turn_rate_limit: (n,) greatest turn rate of robots without odometry, likewise [rad/s].
         arena: (2, 2) lower and upper corner of a box that no robot leaves, not empty [m]; infinite where there is none.
         names: (n + l,) of robots and landmarks, no two alike: r0, r1, ... and l0, l1, ... unless they were given.
@@ -124,6 +125,9 @@ class Team(Frozen):
         count = self.robots + len(self.landmarks)
         names = names_in(f"one name for each of {count} robots and landmarks", self.names or (*robots, *marks), count)
         settle(self, names=names, **{limit: self._each(limit) for limit in LIMITS})
+        late = max((sensor.time_bound for sensor in self.sensors), default=0.0)
+        if max(self.speed_limit.max(), self.turn_rate_limit.max()) * late > LARGEST:
+            raise InvalidInput(f"time bounds of sensors in which robots get no farther than {LARGEST:g} m", f"{late!r} s")
 
     def _taken_apart(self) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
         """Put numbers and arrays in the place of names and mappings; return the names of robots and of landmarks."""
@@ -155,9 +159,14 @@ class Team(Frozen):
         return read_only(np.stack([getattr(self, limit) for limit in LIMITS], axis=1))
 
     @cached_property
+    def mounted(self) -> Mountings:
+        """How the sensors are mounted, by their numbers, of which -1 is at the centre."""
+        return Mountings.of(self.sensors, self.speed_limit, self.turn_rate_limit)
+
+    @property
     def mountings(self) -> Mountings | None:
-        """How the sensors are mounted, by their numbers; None if there are none."""
-        return Mountings.of(self.sensors) if self.sensors else None
+        """The same; None if there are no sensors."""
+        return self.mounted if self.sensors else None
 
     def check(self, record: Measurement | Odometry | Twist) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""
@@ -166,7 +175,7 @@ class Team(Frozen):
             named = getattr(record, role, record.robot)
             if _largest(named) >= count:
                 raise InvalidInput(f"a {role} among {self._known(role)}", f"{role} {named[named >= count][0]}")
-        if isinstance(record, Compass | Bearing | Range):
+        if not isinstance(record, Odometry | Twist):
             self._check_sensors(record)
 
     def _known(self, role: str) -> str:
@@ -174,14 +183,14 @@ class Team(Frozen):
         landmarks = f" and landmarks {robots} to {robots + marks - 1}" if marks else " and no landmark"
         return f"robots 0 to {robots - 1}" + landmarks * (role == "target")
 
-    def _check_sensors(self, record: Compass | Bearing | Range) -> None:
+    def _check_sensors(self, record: Measurement) -> None:
         count, tags = len(self.sensors), getattr(record, "target_sensor", record.sensor)
         tagged = _largest(tags)
         largest = max(_largest(record.sensor), tagged)
         if largest >= count:
             known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
             raise InvalidInput(f"a sensor among the team's, {known} for the centre", largest)
-        if isinstance(record, Compass) or tagged == AT_THE_CENTRE:
+        if not isinstance(record, Bearing | Range) or tagged == AT_THE_CENTRE:
             return
         if (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
             raise InvalidInput("a target_sensor on a robot: landmarks are where they are", "one on a landmark")

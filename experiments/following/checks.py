@@ -42,7 +42,7 @@ class Checks:
         escapes_in_force: Those of both for which the guarantee was said to be in force: broken promises.
         suspended: The guarantee as it was when it first was suspended for some robot; None for never.
         measurements: Numbers that were measured: a compass reading, a bearing or a range counts one each, and so does the
-            position of a robot, however many half-planes it has.
+            position of a robot or of its antenna, however many half-planes it has.
     """
 
     checks: int = 0
@@ -55,7 +55,7 @@ class Checks:
 
     def measured(self, record: Measurement) -> None:
         """Count what a record has measured."""
-        self.measurements += len(set(record.robot.tolist())) if isinstance(record, Position) else len(record.robot)
+        self.measurements += len(set(record.first.tolist())) if isinstance(record, Position) else len(record.robot)
 
     def promised(self, belief: Known) -> None:
         """Take in what a belief says of its guarantee."""

@@ -2,6 +2,6 @@
 
 from filter.arrays import LARGEST, finite, read_only
 from filter.records.odometry import SHORTEST
-from filter.records.record import AT_THE_CENTRE, BELOW_90_DEGREES, field_names
+from filter.records.record import AT_THE_CENTRE, field_names
 
-__all__ = ["AT_THE_CENTRE", "BELOW_90_DEGREES", "LARGEST", "SHORTEST", "field_names", "finite", "read_only"]
+__all__ = ["AT_THE_CENTRE", "LARGEST", "SHORTEST", "field_names", "finite", "read_only"]

@@ -60,6 +60,7 @@ def _sensors(team: Team) -> Object:
             "position_bound": each.position_bound,
             "angle": each.angle,
             "angle_bound": each.angle_bound,
+            **({"time_bound": each.time_bound} if each.time_bound else {}),
         }
         for each in team.sensors
     }

@@ -36,6 +36,8 @@ def _sensor(table: Table) -> dict[str, Any]:
         found["angle_bound"] = radians(table.number("angle_bound", f"{LEAST} [{unit}]", least=0.0), unit)
         if abs(found["angle"]) > 2 * math.pi or found["angle_bound"] > math.pi:
             raise table.refuse("angle", f"within a turn, and its bound within half a one [{unit}]", found)
+    if table.has("time_bound"):
+        found["time_bound"] = table.number("time_bound", "how far off its stamps are at most, from 0 on [s]", least=0.0)
     table.end()
     return found
 

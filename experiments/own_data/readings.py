@@ -88,7 +88,7 @@ class Sightings(Reading):
         if what == "range":
             return metres(deviations, self.door.length)
         bound = radians(deviations, self.door.angle)
-        if bound >= math.pi / 2:
+        if bound >= math.pi:
             raise Unmeasured("its covariance allows any direction")
         return bound
 
@@ -118,7 +118,7 @@ class PositionReading(Reading):
         if "status" in self.channel.fields and self.value(message, "status") < 0:
             raise Unmeasured("its status says that there is no fix")
         position = list(self._place(message))
-        yield self.head("position", stamp) | {"position": position} | self._bounds(message)
+        yield self.head("position", stamp) | {"position": position} | self._bounds(message) | self.stream.sensors
 
     def _place(self, message: Message) -> tuple[float, float]:
         if self._plane is not None:

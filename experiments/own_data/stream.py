@@ -19,8 +19,6 @@ RIGHT_ANGLE = math.nextafter(math.pi / 2, 0)
 LARGEST_ERROR = "the largest error that there ever is"
 # What bounds on angles and their rates do not exceed; half a circle where nothing is said [rad, rad/s].
 LARGEST = {
-    ("bearing", "bound"): RIGHT_ANGLE,
-    ("detections", "bearing_bound"): RIGHT_ANGLE,
     ("odometry", "direction_bound"): RIGHT_ANGLE,
     ("twist", "direction_bound"): RIGHT_ANGLE,
     ("twist", "turn_rate_bound"): math.inf,
@@ -226,8 +224,8 @@ def _declared(kind: str, name: str, table: Table, door: Door) -> Bound:
 
 
 def _mounted(what: StreamKind, kind: str, table: Table) -> dict[str, Any]:
-    """Return the keys of what sensors measure; positions are the robot's own as yet."""
-    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind == "compass" else []
+    """Return the keys of what sensors measure."""
+    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind in ("compass", "position") else []
     return {key: table.text_or(key, "the name of one in [team.sensors]", "") for key in keys}
 
 

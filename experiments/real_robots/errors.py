@@ -55,7 +55,8 @@ def sensor_errors(frames: Iterable[Frame], team: Team) -> list[Errors]:
     """Return the errors of all measurements and of the odometry since the frame before, kind by kind, where truth is known.
 
     A frame's odometry is judged by its turn alone: the way of a robot between two frames is not known to a log. Positions have
-    no error that could be told from their bound, and are left out.
+    no error that could be told from their bound, and are left out. Errors are those against what a sensor where it is mounted
+    would say at the stamp; a bound is broken if the sensor's mounting and its clock do not explain it either.
     """
     rows: dict[str, list[Array]] = {}
     before: Truth | None = None
@@ -76,18 +77,30 @@ def _errors(kind: str, table: Array) -> Errors:
 
 def _measured(record: Compass | Bearing | Range, truth: Truth, team: Team) -> Array:
     """Return (k, 5) robot, time, error, true value and whether the bound is broken."""
+    mounted = team.mounted
+    robot, sensor, looks = record.robot, record.sensor, truth.headings[record.robot] + mounted.angle[record.sensor]
+    bound = record.bound + mounted.angle_bound[sensor] + mounted.swing[sensor, robot]
     if isinstance(record, Compass):
-        true, said, robot = truth.headings[record.robot], record.heading, record.robot
-        return _angles(robot, record.time, said, true, record.bound)
-    bodies = np.concatenate([truth.positions, team.landmarks])
-    away = bodies[record.target] - bodies[record.robot]
-    if isinstance(record, Bearing):
-        true = wrap(np.arctan2(away[:, 1], away[:, 0]) - truth.headings[record.robot])
-        return _angles(record.robot, record.time, record.bearing, true, record.bound)
+        return _angles(robot, record.time, record.heading, wrap(looks), bound)
+    ends, sensors = (robot, record.target), (sensor, record.target_sensor)
+    start, end = (_places(truth, team, *each) for each in zip(ends, (mounted.position[each] for each in sensors), strict=True))
+    away, off = end - start, mounted.off(ends, sensors)
     distance = np.hypot(away[:, 0], away[:, 1])
+    if isinstance(record, Bearing):
+        aside = np.where(off < distance, np.arcsin(np.clip(off / np.maximum(distance, ROUNDING), 0, 1)), np.pi * (off > 0))
+        return _angles(robot, record.time, record.bearing, wrap(np.arctan2(away[:, 1], away[:, 0]) - looks), bound + aside)
     least, greatest = record.interval()
-    broken = (distance < least - ROUNDING) | (distance > greatest + ROUNDING)
-    return np.column_stack([record.robot, np.full(len(away), record.time), record.range - distance, distance, broken])
+    broken = (distance < least - off - ROUNDING) | (distance > greatest + off + ROUNDING)
+    return np.column_stack([robot, np.full(len(away), record.time), record.range - distance, distance, broken])
+
+
+def _places(truth: Truth, team: Team, body: Integers, position: Array) -> Array:
+    """Return where sensors at positions (k, 2) on robots, or landmarks, (k,) really are, (k, 2) [m]."""
+    way = np.append(truth.headings, np.zeros(len(team.landmarks)))[body]
+    sine, cosine, (ahead, left) = np.sin(way), np.cos(way), position.T
+    arm = np.stack([cosine * ahead - sine * left, sine * ahead + cosine * left], axis=1)
+    arm[~position.any(axis=1)] = 0  # where the heading is not known, too
+    return np.asarray(np.concatenate([truth.positions, team.landmarks])[body] + arm)
 
 
 def _turned(odometry: Odometry, before: Truth, after: Truth) -> Array:

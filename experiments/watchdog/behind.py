@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from filter import Array, Belief, Compass, Integers, Proof, Source, Step
+from filter.linear.sources import in_order
 from filter.sensing.readings import Readings
 
 WORLD = -1  # what an edge of a robot's own region is seen from
@@ -52,7 +53,7 @@ def traced(steps: Sequence[Step[Belief]], edges: Sequence[Edge]) -> tuple[Source
                 left.append(behind)
     found = {said for source in found for said in _said(at, source)}
     found |= {heading for source in found if source.time in at for heading in _compass(at[source.time], source)}
-    return tuple(sorted(found, key=lambda source: (source.time, source.kind, source.robot, source.target or 0)))
+    return tuple(sorted(found, key=in_order))
 
 
 def _rests_on(belief: Belief, edge: Edge) -> Iterator[tuple[Source, Edge]]:
@@ -99,19 +100,19 @@ def _said(at: Mapping[float, Step[Belief]], source: Source) -> list[Source]:
 
 def _compass(step: Step[Belief], source: Source) -> Iterator[Source]:
     """Yield the compass of the instant that a bearing was turned by."""
-    of_robots = [record.robot for record in step.frame.measurements if isinstance(record, Compass)]
-    if source.kind == "bearing" and any(source.robot in robots for robots in of_robots):
-        yield Source("compass", source.time, source.robot)
+    if source.kind == "bearing":
+        compasses = [record for record in step.frame.measurements if isinstance(record, Compass)]
+        yield from Readings.of(source.time, compasses).concerning(source.robot)
 
 
 def in_words(sources: Sequence[Source]) -> str:
     """Return sources as text, those of one kind between the same two together."""
-    times: dict[tuple[str, int, int | None], list[float]] = defaultdict(list)
+    alike: dict[Source, list[Source]] = defaultdict(list)
     for source in sources:
-        times[source.kind, source.robot, source.target].append(source.time)
+        alike[replace(source, time=0.0)].append(source)
     words = []
-    for (kind, robot, target), when in times.items():
-        who = f"{kind} of robot {robot}" + (f" to {target}" if target is not None else "")
-        several = f"at {len(when)} times from {min(when):.3f} s to {max(when):.3f} s"
-        words.append(f"{who} {several}" if len(when) > 1 else f"{who} at {when[0]:.3f} s")
+    for each in alike.values():
+        who, when = str(each[0]).rpartition(" at ")[0], [source.time for source in each]
+        several = f"{who} at {len(when)} times from {min(when):.3f} s to {max(when):.3f} s"
+        words.append(several if len(when) > 1 else str(each[0]))
     return "; ".join(words)

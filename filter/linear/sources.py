@@ -8,6 +8,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from filter.arrays import Array, Floats, Integers, Table
+from filter.records.record import AT_THE_CENTRE
+from filter.team import Team
 
 Kind = Literal[
     "initial set", "compass", "bearing", "range", "position", "sighting", "odometry", "heading", "region", "cells",
@@ -29,16 +31,31 @@ class Source:
         time: When [s].
         robot: Who measured, or of whom it is said.
         target: What was measured, the other robot of a pair, or None.
+        sensor: Which of the team's sensors measured; None for one at the robot's centre, and for what is no measurement.
     """
 
     kind: Kind
     time: float
     robot: int
     target: int | None = None
+    sensor: int | None = None
 
     def __str__(self) -> str:
-        who = f"robot {self.robot}" + (f" to {self.target}" if self.target is not None else "")
-        return f"{self.kind} of {who} at {self.time:.3f} s"
+        return self._in_words(f"robot {self.robot}", self.target, None if self.sensor is None else f"sensor {self.sensor}")
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the names that a team has: "range of alice to gate by uwb at 0.100 s"."""
+        target = None if self.target is None else team.name(self.target)
+        return self._in_words(team.name(self.robot), target, None if self.sensor is None else team.sensors[self.sensor].name)
+
+    def _in_words(self, robot: str, target: int | str | None, sensor: str | None) -> str:
+        to, by = "" if target is None else f" to {target}", "" if sensor is None else f" by {sensor}"
+        return f"{self.kind} of {robot}{to}{by} at {self.time:.3f} s"
+
+
+def in_order(source: Source) -> tuple[float, str, int, int, int]:
+    """Return by what sources are sorted where people read them."""
+    return source.time, source.kind, source.robot, source.target or 0, AT_THE_CENTRE if source.sensor is None else source.sensor
 
 
 def _none() -> Integers:
@@ -54,23 +71,28 @@ class Sources(Table):
         time: (k,) [s].
         robot: (k,) who.
         target: (k,) what, NOBODY for nothing.
+        sensor: (k,) by which sensor, `AT_THE_CENTRE` for none.
     """
 
     kind: Integers = field(default_factory=_none)
     time: Array = field(default_factory=lambda: np.zeros(0))
     robot: Integers = field(default_factory=_none)
     target: Integers = field(default_factory=_none)
+    sensor: Integers = field(default_factory=_none)
 
     def __getitem__(self, number: int) -> Source:
-        kind, time, robot, target = (column[number].item() for column in self.columns)
-        return Source(KINDS[kind], time, robot, None if target == NOBODY else target)
+        kind, time, robot, target, sensor = (column[number].item() for column in self.columns)
+        by = None if sensor == AT_THE_CENTRE else sensor
+        return Source(KINDS[kind], time, robot, None if target == NOBODY else target, by)
 
-    def extended(self, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY) -> tuple[Sources, Integers]:
+    def extended(
+        self, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY, sensor: Floats = AT_THE_CENTRE
+    ) -> tuple[Sources, Integers]:
         """Return the table with (k) more entries, and their numbers."""
-        robots, targets = (np.atleast_1d(np.asarray(each, dtype=np.int64)) for each in (robot, target))
-        count = len(robots) if len(targets) == 1 else len(targets)
+        who = [np.atleast_1d(np.asarray(column, dtype=np.int64)) for column in (robot, target, sensor)]
+        count = next((len(column) for column in who if len(column) != 1), 1)
         if not count:
             return self, _none()
-        more = (np.full(count, each) for each in (robots, targets))
+        more = (np.full(count, column) for column in who)
         table = Sources(np.full(count, KINDS.index(kind)), np.full(count, time, dtype=float), *more)
         return Sources.concatenate([self, table]), np.arange(len(self), len(self) + count)

@@ -22,7 +22,7 @@ from filter.arrays import Array, Floats, Integers, checked, finite, instance, nu
 from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import BY_HAND, Polygon
-from filter.records.record import BELOW_1, BELOW_90_DEGREES, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
+from filter.records.record import AT_THE_CENTRE, BELOW_1, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
 
 
 def _centre() -> Integers:
@@ -75,7 +75,7 @@ class Bearing(_Sighting):
         robot: (k,) who measured.
         target: (k,) robot or landmark that was seen, not itself.
         bearing: (k,) measured angle from the sensor's forward axis, counter-clockwise [rad].
-        bound: (k,) largest error, in [0, pi/2) [rad].
+        bound: (k,) largest error, in [0, pi] [rad]; one of pi says nothing.
         sensor: (k,) which sensor of the robot measured.
         target_sensor: (k,) which sensor, or tag, of a robot was seen.
     """
@@ -84,7 +84,7 @@ class Bearing(_Sighting):
     robot: Integers = field(metadata=ROBOT)
     target: Integers = field(metadata=TARGET)
     bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
-    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, BELOW_90_DEGREES))
+    bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, np.pi))
     sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
     target_sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
 
@@ -149,7 +149,8 @@ class Range(_Sighting):
 class Position(Record):
     """Where robots are, in half-planes normal . x <= offset: a position fix, a room, a dock, one side of a line.
 
-    All half-planes of one robot in one record are one measurement. As a rule made by `fix`, `disc`, `within` or `half_plane`.
+    All half-planes of one robot, or of one sensor of it, in one record are one measurement. As a rule made by `fix`, `disc`,
+    `within` or `half_plane`.
 
     Attributes:
         time: When [s].
@@ -157,6 +158,7 @@ class Position(Record):
         normal_x: (k,) outward normal, of length 1 to rounding.
         normal_y: (k,)
         offset: (k,) [m].
+        sensor: (k,) which sensor of the robot, an antenna say, is there.
     """
 
     time: float = field(metadata=TIME)
@@ -164,10 +166,13 @@ class Position(Record):
     normal_x: Array = field(metadata=checked(finite, "normal", -2, 2))
     normal_y: Array = field(metadata=checked(finite, "normal", -2, 2))
     offset: Array = field(metadata=checked(finite, "offset [m]"))
+    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
 
     if TYPE_CHECKING:
 
-        def __init__(self, time: float, robot: Floats, normal_x: Floats, normal_y: Floats, offset: Floats) -> None: ...
+        def __init__(
+            self, time: float, robot: Floats, normal_x: Floats, normal_y: Floats, offset: Floats, sensor: Floats = ...
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -179,39 +184,45 @@ class Position(Record):
         """(k, 2) outward normals."""
         return np.stack([self.normal_x, self.normal_y], axis=1)
 
-    @classmethod
-    def within(cls, time: float, robot: int, polygon: Polygon) -> Self:
-        """Return that a robot is in a polygon; raises `InvalidInput` if it is none."""
-        edges = instance("a polygon", polygon, Polygon)
-        return cls(time, robot, normal_x=edges.normals[:, 0], normal_y=edges.normals[:, 1], offset=edges.offsets)
+    @property
+    def first(self) -> Integers:
+        """(k,) where in the record the measurement begins that each half-plane is of."""
+        _, first, which = np.unique(np.stack([self.robot, self.sensor]), axis=1, return_index=True, return_inverse=True)
+        return np.asarray(first[which.ravel()])
 
     @classmethod
-    def fix(cls, time: float, robot: int, position: Floats, bound: Floats) -> Self:
-        """Return that a robot is within +- bound, one number or one for each axis, of a position (2,) [m], in x and in y."""
+    def within(cls, time: float, robot: int, polygon: Polygon, sensor: int = AT_THE_CENTRE) -> Self:
+        """Return that a robot, or a sensor of it, is in a polygon; raises `InvalidInput` if it is none."""
+        edges = instance("a polygon", polygon, Polygon)
+        return cls(time, robot, edges.normals[:, 0], edges.normals[:, 1], edges.offsets, sensor)
+
+    @classmethod
+    def fix(cls, time: float, robot: int, position: Floats, bound: Floats, sensor: int = AT_THE_CENTRE) -> Self:
+        """Return that it is within +- bound, one number or one for each axis, of a position (2,) [m], in x and in y."""
         middle, half = place("position [m]", position), finite("bound of a position [m]", bound, 0)
         if half.shape not in ((), (2,)):
             raise InvalidInput("bound of a position [m]: one number, or one for x and one for y", shown(bound))
         lower, upper = (np.nextafter(middle + sign * half, sign * np.inf) for sign in (-1, 1))
-        return cls.within(time, robot, Polygon.box(lower, upper))
+        return cls.within(time, robot, Polygon.box(lower, upper), sensor)
 
     @classmethod
-    def disc(cls, time: float, robot: int, centre: Floats, radius: float, sides: int = 32) -> Self:
-        """Return that a robot is no farther from a place (2,) than a radius [m], by so many tangents, from 3 to 1000."""
+    def disc(cls, time: float, robot: int, centre: Floats, radius: float, sides: int = 32, sensor: int = AT_THE_CENTRE) -> Self:
+        """Return that it is no farther from a place (2,) than a radius [m], by so many tangents, from 3 to 1000."""
         middle, reach = place("centre [m]", centre), number("radius [m]", radius, 0)
         angle = 2 * np.pi * np.arange(count := whole_number("sides", sides, 3, 1000)) / count
         x, y = np.cos(angle), np.sin(angle)
         rounding = 8 * EPSILON * (np.abs(middle).sum() + reach)
-        return cls(time, robot, x, y, x * middle[0] + y * middle[1] + reach + rounding)
+        return cls(time, robot, x, y, x * middle[0] + y * middle[1] + reach + rounding, sensor)
 
     @classmethod
-    def half_plane(cls, time: float, robot: int, normal: Floats, offset: float) -> Self:
-        """Return that normal . x <= offset of a robot's position [m], for a normal (2,) of any length but 0."""
+    def half_plane(cls, time: float, robot: int, normal: Floats, offset: float, sensor: int = AT_THE_CENTRE) -> Self:
+        """Return that normal . x <= offset of its position [m], for a normal (2,) of any length but 0."""
         across, beyond = place("normal", normal), number("offset [m]", offset)
         length = float(np.hypot(*across))
         if not length:
             raise InvalidInput("a normal with a direction", shown(normal))
         x, y = across / length
-        return cls(time, robot, x, y, np.nextafter(beyond / length, np.inf))
+        return cls(time, robot, x, y, np.nextafter(beyond / length, np.inf), sensor)
 
 
 Measurement = Compass | Bearing | Range | Position

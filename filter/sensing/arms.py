@@ -3,6 +3,9 @@
 A sensor that is mounted at m on a robot with heading h is at x + R(h) m. So the centre is away from the sensor by -R(h) m, as
 if the robot had driven so far from there: an arc of displacements, one for each heading, and a slip for how far off the place
 can be. Rows and polygons are moved by it as they are by a motion (`filter.sensing.since`); the narrower the heading, the less.
+
+If its clock is off, it measures from where it is some time before or after the stamp. By then the robot has turned, so that the
+arc is wider, and driven, so that the slip is larger; and so has the robot that it measures.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from filter.arrays import Array, Frozen, Integers
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.convex import EPSILON, hull_of
 from filter.linear.constraints import Constraints
+from filter.records.record import AT_THE_CENTRE
 from filter.records.sensors import Mountings
 from filter.sensing.motion import CORNERS, Displacements
 from filter.sensing.readings import Readings
@@ -29,12 +33,14 @@ CORNERS_OF_SLIP = 8  # of what stands for its disc
 
 @dataclass(frozen=True, eq=False)
 class Arms(Frozen):
-    """For each of k readings, bearings before ranges, the ways from the places of sensors to the centres of their robots.
+    """For each of k readings the ways from the places of sensors to the centres of their robots.
+
+    They are bearings, then ranges, then half-planes of positions.
 
     Attributes:
         robot: (k,) who measured.
         own: (k) from the sensor that measured.
-        others: (k) from the one that was measured; of landmarks there is no way.
+        others: (k) from the one that was measured; of landmarks, and where nobody was, there is no way.
     """
 
     robot: Integers
@@ -46,13 +52,14 @@ class Arms(Frozen):
         """Return them for n robots' headings (n), or at s instants and before, (s n + n) [rad]; None if all are at centres."""
         if readings.mountings is None:
             return None
-        pairs, (_, of_bearings, of_ranges, _) = (readings.bearings, readings.ranges), readings.at
-        names = ("robot", "target", "sensor", "target_sensor")
-        robot, target, sensor, tag = (np.concatenate([getattr(each, name) for each in pairs]) for name in names)
-        first = 0 if readings.since is None else (np.concatenate([of_bearings, of_ranges]) + 1) * robots
-        mate = np.where(target < robots, first + target, 0)  # a landmark has no sensor, hence a way of no length
-        own, others = looks[first + robot], looks[mate]
-        return cls(robot, ways_from(readings.mountings, sensor, own), ways_from(readings.mountings, tag, others))
+        robot, sensor, target, tag = _ends(readings, robots)
+        first = 0 if readings.since is None else (np.concatenate(readings.at[1:]) + 1) * robots
+        is_robot, mate, mountings = target < robots, np.where(target < robots, target, 0), readings.mountings
+        swing, drift = (np.where(is_robot, each[sensor, mate], 0.0) for each in (mountings.swing, mountings.drift))
+        # A landmark has no sensor and stays, hence a way of no length, whoever's heading stands for its own.
+        own, others = looks[first + robot], looks[np.where(is_robot, first + mate, 0)].turned(0.0, swing)
+        from_own = ways_from(mountings, sensor, own.turned(0.0, mountings.swing[sensor, robot]), mountings.drift[sensor, robot])
+        return cls(robot, from_own, ways_from(mountings, tag, others, drift))
 
     def moved(self, rows: Constraints, reading: Integers) -> Constraints:
         """Return rows on the places of sensors, each of one of (r,) readings, as rows on the centres."""
@@ -85,12 +92,24 @@ class Arms(Frozen):
         return hull_of(np.add(corners[:, None], radius * around).reshape(-1, 2))
 
 
-def ways_from(mountings: Mountings, sensor: Integers, looks: AngularIntervals) -> Displacements:
-    """Return the ways from the places of sensors (k,) to the centres of robots with (k) headings [rad]."""
+def _ends(readings: Readings, robots: int) -> tuple[Integers, Integers, Integers, Integers]:
+    """Return of (k,) readings the robot and the sensor that measured, and the target and its sensor; n where there is none."""
+    pairs, alone = (readings.bearings, readings.ranges), readings.positions
+    robot, sensor = (np.concatenate([getattr(each, name) for each in (*pairs, alone)]) for name in ("robot", "sensor"))
+    target = np.concatenate([*(each.target for each in pairs), np.full(len(alone.robot), robots)])
+    tag = np.concatenate([*(each.target_sensor for each in pairs), np.full(len(alone.robot), AT_THE_CENTRE)])
+    return robot, sensor, target, tag
+
+
+def ways_from(mountings: Mountings, sensor: Integers, looks: AngularIntervals, drift: Array | float = 0.0) -> Displacements:
+    """Return the ways from the places of sensors (k,) to the centres of robots with (k) headings [rad].
+
+    Robots are elsewhere than when sensors measured, by up to a drift (k,) [m].
+    """
     back = -mountings.position[sensor]
     length = np.hypot(back[:, 0], back[:, 1])
     ways = looks.turned(np.arctan2(back[:, 1], back[:, 0]))
     begin, bound = ways.centre[:, None] - ways.bound[:, None], ways.bound[:, None]
     angle, reach = begin + bound * PLACES, length[:, None] / np.cos(bound * TOUCH)
-    slip = mountings.position_bound[sensor] + 16 * EPSILON * length  # as the angles of corners are rounded, too
+    slip = mountings.position_bound[sensor] + drift + 16 * EPSILON * length  # as the angles of corners are rounded, too
     return Displacements(np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=2), length, slip)

@@ -37,8 +37,8 @@ def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: Ang
     centre, bound = headings.centre.copy(), headings.bound.copy()
     last = _intersect((centre, bound), (arcs.centre, arcs.bound), robot, order)
     if last >= 0:
-        sources, _ = Sources().extended("compass", compasses.time, compasses.robot)
-        sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target)
+        sources, _ = Sources().extended("compass", compasses.time, compasses.robot, sensor=compasses.sensor)
+        sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target, bearings.sensor)
         raise _conflict(headings, arcs, sources, order[:last], order[last])
     return AngularIntervals.of_found(centre, bound)
 

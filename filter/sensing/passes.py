@@ -21,7 +21,7 @@ from filter.sensing.cells import ByCases, Places, Told, by_cases
 from filter.sensing.headings import narrowed_headings
 from filter.sensing.looks import BEARINGS, RANGES, Look, narrowed_by_bearings
 from filter.sensing.readings import Readings
-from filter.sensing.rows import as_of_now, bearing_rows, on_robots, range_rows, spans_of_targets, world_arcs
+from filter.sensing.rows import as_of_now, bearing_rows, on_robots, position_rows, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
 from filter.sensing.split import WORTH_A_SLICE
 
@@ -111,18 +111,27 @@ class Merger(Frozen):
     again: Integers = field(default_factory=lambda: NO_ROBOTS)
 
     def merged(self, is_over: Callable[[], bool] = lambda: False) -> Merged:
-        """Return the team's polytope with the rows of bearings and ranges, and the headings.
+        """Return the team's polytope with the rows of positions, bearings and ranges, and the headings.
 
         Raises `Inconsistent` if what is known and measured of a heading, or of one robot's pose, is proved to have nothing in
         common.
         """
-        merged, passes = self._settled(is_over)
-        wide = self._wide(merged, passes[-1]) if self.cells else NO_ROBOTS
+        start = self._placed()
+        merged, passes = start._settled(is_over)
+        wide = start._wide(merged, passes[-1]) if self.cells else NO_ROBOTS
         if self.readings.since is not None or not len(wide) or is_over():
             return Merged(merged, passes[-1].headings, tuple(passes), wide)
-        fewer, cases = self._in_cells(wide, is_over)
+        fewer, cases = start._in_cells(wide, is_over)
         merged, passes = fewer._settled(is_over)
         return Merged(merged, passes[-1].headings, (*cases, *passes), wide)
+
+    def _placed(self) -> "Merger":
+        """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are."""
+        if not len(self.readings.positions.robot):
+            return self
+        of_positions = self._positions(Look.of_compasses(self.headings, self.readings))
+        rows = Constraints.concatenate([self.polytope.constraints, of_positions])
+        return replace(self, polytope=self.polytope.with_constraints(rows))
 
     def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, list[Directions]]:
         """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
@@ -203,6 +212,9 @@ class Merger(Frozen):
         arcs = narrowed_by_bearings(spans, ways, self.readings, bodies)
         numbers = self.numbers[count : count + len(ranges.robot)]
         rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing), look)]
+        if self.readings.mountings is not None:  # where sensors are is known better now
+            mounted = self.readings.mountings.spot[self.readings.positions.sensor] > 0
+            rows.append(self._positions(look).select(mounted))
         if known is not self.polytope:
             rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), look))
         merged = self.polytope.with_constraints(Constraints.concatenate(rows))
@@ -226,8 +238,17 @@ class Merger(Frozen):
         return spans_of_targets(known, self.landmarks, robot, target, moved)
 
     def _on_robots(self, rows: Constraints, look: Look) -> Constraints:
-        then, first = on_robots(rows, self.polytope, self.landmarks), int(self.numbers[0])
-        centred = then if look.arms is None else look.arms.moved(then, then.source - first)
+        return self._centred(on_robots(rows, self.polytope, self.landmarks), look)
+
+    def _positions(self, look: Look) -> Constraints:
+        first, positions = len(self.readings.bearings.robot) + len(self.readings.ranges.robot), self.readings.positions
+        numbers = self.numbers[first : first + len(positions.robot)]
+        return self._centred(position_rows(positions, self.polytope, numbers), look)
+
+    def _centred(self, rows: Constraints, look: Look) -> Constraints:
+        """Return rows on the places of sensors, when they measured, as rows on where robots are now."""
+        first = int(self.numbers[0])
+        centred = rows if look.arms is None else look.arms.moved(rows, rows.source - first)
         return as_of_now(centred, self.readings, look.moves, first)
 
     def _may_gain(self, merged: Polytope, read: Directions) -> bool:
@@ -249,9 +270,11 @@ def matter(robots: Integers, areas: Array) -> bool:
 
 
 def are_smaller(now: Array, before: Array) -> bool:
-    """Return whether (n,) areas have become smaller than before [m2], all together or most of them."""
+    """Return whether (n,) areas have become smaller than before [m2], all together or most of them; those of nothing cannot."""
+    if not before.any():
+        return False
     shares = np.divide(now, before, out=np.ones(len(now)), where=before > 0)
-    return bool(min(now.sum() / max(before.sum(), np.finfo(float).tiny), shares.mean()) < 1 - WORTH_IT)
+    return bool(min(now.sum() / before.sum(), shares.mean()) < 1 - WORTH_IT)
 
 
 def boxed_at_a_glance(polytope: Polytope) -> Polytope:

@@ -31,7 +31,7 @@ class Readings(NamedTuple):
         at: Of which instant each is, for each of the four kinds; zeros if there is but one.
         since: How robots have moved from one instant to the next; None if there is but one.
         moves: Where they have gone, as compasses and odometry alone tell; None if there is but one.
-        mountings: Of sensors that bearings or ranges are measured by; None if all of them are at the centres of robots.
+        mountings: Of the sensors that measure; None if all of them, but for compasses, are at the centres of robots.
     """
 
     compasses: Compass
@@ -63,7 +63,8 @@ class Readings(NamedTuple):
         if mountings is None:
             return cls(compasses, bearings, ranges, positions, at, since)
         compasses, bearings = (_looking_forward(record, mountings) for record in (compasses, bearings))
-        off = any(mountings.spot[column].any() for each in (bearings, ranges) for column in (each.sensor, each.target_sensor))
+        of_pairs = (column for each in (bearings, ranges) for column in (each.sensor, each.target_sensor))
+        off = any(mountings.spot[column].any() for column in (*of_pairs, positions.sensor))
         return cls(compasses, bearings, ranges, positions, at, since, None, mountings if off else None)
 
     @property
@@ -81,21 +82,24 @@ class Readings(NamedTuple):
         """Enter what makes rows in a table; return it and numbers (b + r + p + n,) of these, and of the cells of n robots."""
         first = len(sources)
         for record, time in zip(self.records[1:], self.times[1:], strict=True):
-            sources, _ = sources.extended(KIND_OF[type(record)], time, record.robot, targets_of(record))
+            sources, _ = sources.extended(KIND_OF[type(record)], time, record.robot, targets_of(record), record.sensor)
         sources, _ = sources.extended("cells", self.ranges.time, np.arange(robots))
         return sources, np.arange(first, len(sources))
 
     def spots(self, record: Bearing | Range) -> tuple[Integers | int, int]:
         """Return numbers (k,) for the places of sensors between which bearings or ranges are measured, and how many there are.
 
-        Those of the body with the lower number count first.
+        Those of the body with the lower number count first. Where nobody knows for sure when it was measured, each is its own.
         """
         if self.mountings is None:
             return 0, 1
         spots, forth = self.mountings.spot, record.robot < record.target
         first = spots[np.where(forth, record.sensor, record.target_sensor)]
         last, count = spots[np.where(forth, record.target_sensor, record.sensor)], len(spots)
-        return first * count + last, count**2
+        sizes = [len(each.robot) for each in (self.bearings, self.ranges)]
+        alone = count**2 + np.arange(len(record.robot)) + (0 if isinstance(record, Bearing) else sizes[0])
+        doubtful = self.mountings.time_bound[record.sensor] > 0
+        return np.where(doubtful, alone, first * count + last), count**2 + sum(sizes)
 
     def tie_robots(self, robots: int) -> bool:
         """Return whether one of n robots measured another."""
@@ -106,7 +110,7 @@ class Readings(NamedTuple):
         found = list[Source]()
         for record, time in zip(self.records, self.times, strict=True):
             target = targets_of(record)
-            table, _ = Sources().extended(KIND_OF[type(record)], time, record.robot, target)
+            table, _ = Sources().extended(KIND_OF[type(record)], time, record.robot, target, record.sensor)
             found += [table[k] for k in np.flatnonzero((record.robot == robot) | (target == robot)).tolist()]
         return list(dict.fromkeys(found))
 
@@ -124,10 +128,11 @@ def _sorted(kind: type[Measurement], time: float, measurements: Sequence[Measure
 
 
 def _looking_forward(record: Any, mountings: Mountings) -> Any:
-    """Return compasses or bearings of sensors as those of robots' forward axes."""
+    """Return compasses or bearings of sensors as those of robots' forward axes, at the stamps."""
     if (record.sensor == AT_THE_CENTRE).all():
         return record
-    angle, bound = mountings.angle[record.sensor], record.bound + mountings.angle_bound[record.sensor]
+    angle, off = mountings.angle[record.sensor], mountings.angle_bound[record.sensor]
+    bound = record.bound + off + mountings.swing[record.sensor, record.robot]
     name, sign = ("heading", -1.0) if isinstance(record, Compass) else ("bearing", 1.0)
     columns = {each: getattr(record, each) for each in field_names(record)}
     return type(record).of_checked(record.time, columns | {name: columns[name] + sign * angle, "bound": bound})

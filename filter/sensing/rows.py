@@ -79,16 +79,6 @@ def position_rows(record: Position, polytope: Polytope, source: Integers) -> Con
     return Constraints(world, record.robot, normal, record.offset, source).shifted(WIDENING + allowance)
 
 
-def with_positions(polytope: Polytope, readings: Readings, numbers: Integers, moves: Moves | None) -> Polytope:
-    """Return a polytope with the rows of positions, whose numbers are among those of readings (see `Readings.numbered`)."""
-    first = len(readings.bearings.robot) + len(readings.ranges.robot)
-    if not len(readings.positions.robot):
-        return polytope
-    rows = position_rows(readings.positions, polytope, numbers[first : first + len(readings.positions.robot)])
-    rows = as_of_now(rows, readings, moves, int(numbers[0]))
-    return polytope.with_constraints(Constraints.concatenate([polytope.constraints, rows]))
-
-
 def as_of_now(rows: Constraints, readings: Readings, moves: Moves | None, first: int) -> Constraints:
     """Return rows of readings, numbered from a first one on, as rows on where robots are now."""
     if moves is None:

@@ -13,11 +13,12 @@ from filter.geometry.angles import AngularIntervals
 from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
-from filter.linear.sources import Source, Sources
+from filter.linear.sources import Source, Sources, in_order
 from filter.projection.fallback import Fallback
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
+from filter.team import Team
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,10 @@ class Rejected:
 
     def __str__(self) -> str:
         return f"rejected {self.source}; in conflict: {'; '.join(map(str, self.conflict))}"
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the names that a team has for robots, landmarks and sensors."""
+        return f"rejected {self.source.named(team)}; in conflict: {'; '.join(each.named(team) for each in self.conflict)}"
 
 
 Event = Rejected | Fallback
@@ -131,4 +136,4 @@ class Belief:
         proofs = tuple(proof for proof in self.proofs if isinstance(proof, Proof))
         last = {self.sources[int(number)] for number in region.causes[place]}
         found = causes_of(proofs, self.time, (WORLD, robot, region.outer.normals[place]), last)
-        return tuple(sorted(found, key=lambda source: (source.time, source.kind, source.robot, source.target or 0)))
+        return tuple(sorted(found, key=in_order))

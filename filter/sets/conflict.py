@@ -227,15 +227,14 @@ def single(measurements: Sequence[Measurement]) -> dict[Reading, Source]:
     """Return every single measurement, in order, as a source."""
     found = dict[Reading, Source]()
     for k, record in enumerate(measurements):
-        table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, targets_of(record))
+        table, _ = Sources().extended(KIND_OF[type(record)], record.time, record.robot, targets_of(record), record.sensor)
         found |= {(k, place): table[place] for place in np.unique(_first_places(record)).tolist()}
     return found
 
 
 def _first_places(record: Measurement) -> Integers:
-    """Return (k,) where in a record the measurement begins that each place is of: half-planes of one robot are one position."""
-    places = np.arange(len(record.robot))
-    return np.argmax(record.robot == record.robot[:, None], axis=1) if isinstance(record, Position) else places
+    """Return (k,) where in a record the measurement begins that each place is of."""
+    return record.first if isinstance(record, Position) else np.arange(len(record.robot))
 
 
 def without(measurements: Sequence[Measurement], dropped: Collection[Reading]) -> tuple[Measurement, ...]:

@@ -29,7 +29,7 @@ from filter.sensing.headings import looks_at_a_glance
 from filter.sensing.motion import Displacements, displacements, turned_headings
 from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
-from filter.sensing.rows import TANGENT_SPACING, with_positions
+from filter.sensing.rows import TANGENT_SPACING
 from filter.sensing.since import Moves, Since
 from filter.sets.belief import Belief, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
@@ -277,8 +277,7 @@ class SetMembershipFilter(Frozen):
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         team = self.team.landmarks, self.tangent_spacing, self.cells
-        start = with_positions(belief.polytope, readings, numbers, readings.moves)
-        merged = Merger(start, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
+        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
         self.on_phase("prune")
         known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
         self.on_phase("project")

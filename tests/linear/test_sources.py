@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from filter.linear.sources import KINDS, NOBODY, Source, Sources
+from filter import InvalidInput, Sensor, Team
+from filter.linear.sources import KINDS, NOBODY, Source, Sources, in_order
 
 
 def test_a_table_grows_by_one_entry_for_each_robot_or_target():
@@ -45,3 +46,22 @@ def test_each_kind_is_what_it_is_called(kind):
 def test_a_source_says_who_what_and_when():
     assert str(Source("range", 1.5, 2, 7)) == "range of robot 2 to 7 at 1.500 s"
     assert str(Source("range", 1.5, 2, 0)) == "range of robot 2 to 0 at 1.500 s"
+    assert str(Source("range", 1.5, 2, 0, 1)) == "range of robot 2 to 0 by sensor 1 at 1.500 s"
+    assert str(Source("position", 1.5, 2, sensor=0)) == "position of robot 2 by sensor 0 at 1.500 s"
+
+
+def test_a_source_has_the_names_of_its_team():
+    team = Team(["alice", "bob"], {"gate": [0, 0]}, sensors=[Sensor("uwb"), Sensor("gps")])
+    assert Source("range", 0.1, 0, 2, 0).named(team) == "range of alice to gate by uwb at 0.100 s"
+    assert Source("position", 0.1, 1, sensor=1).named(team) == "position of bob by gps at 0.100 s"
+    assert Source("pair", 0.1, 0, 1).named(team) == "pair of alice to bob at 0.100 s"
+    with pytest.raises(InvalidInput, match="a body"):
+        Source("range", 0.1, 0, 3).named(team)
+
+
+def test_two_sensors_are_two_sources():
+    table, numbers = Sources().extended("range", 0.1, [0, 0, 0], 2, [-1, 0, 1])
+    sources = [table[k] for k in numbers.tolist()]
+    assert sources == [Source("range", 0.1, 0, 2), Source("range", 0.1, 0, 2, 0), Source("range", 0.1, 0, 2, 1)]
+    assert sorted([sources[k] for k in (2, 0, 1)], key=in_order) == sources
+    assert table.select(np.array([2]))[0] == sources[2]

@@ -55,7 +55,7 @@ COLUMNS = {
         "hold": numbers(1e-6, 1e100),
     },
     "compass": {"heading": ANY, "bound": numbers(0, np.pi)},
-    "bearing": {"bearing": ANY, "bound": BELOW_90},
+    "bearing": {"bearing": ANY, "bound": numbers(0, np.pi)},
     "range": {"range": POSITIVE, "bound": POSITIVE, "relative_bound": numbers(0, 0.9999999999999999)},
 }
 
@@ -240,6 +240,8 @@ LATER = [
     },
     {"record": "position", "time": 1, "robot": "bob", "position": [0.1, 1e99], "bound": 0.3},
     {"record": "position", "time": 1, "robot": 0, "position": [0.1, -7], "bound": [0.3, 0]},
+    {"record": "position", "time": 1, "robot": 0, "position": [0.1, -7], "bound": 0.3, "sensor": "tag"},
+    {"record": "position", "time": 1, "robot": 0, "position": [0.1, -7], "bound": 0.3, "sensor": None},
     {"record": "truth", "time": 1, "robot": "bob", "position": [0, 1], "heading": None},
     {"record": "truth", "time": 1, "robot": 2, "position": None, "heading": 1},
     {"record": "truth", "time": 1, "positions": [[0, 1], None, [7, 7]], "headings": [0, None, 2.5]},

@@ -45,6 +45,8 @@ def records_of(generator):
         Range(0.1, [], [], [], [], []),
         Position.fix(0.2, 1, [1 / 3, 4e5], [0.1, 0.3]),
         Position.disc(0.2, 1, [1 / 3, 4e5], 0.1),
+        Position.fix(0.2, 1, [1 / 3, 4e5], [0.1, 0.3], 1),
+        Position(0.2, [0, 1, 1], [1, 0, 0], [0, 1, -1], [1, 2, 3], [-1, 2, 0]),
         Joined(0.3, 1, InitialSet(SQUARE / 3)),
         Left(0.4, 2),
         TruthAt(0.4, np.array([1]), Truth([[np.nan, np.nan]], [0.5])),
@@ -165,6 +167,9 @@ POSITIONS = [
 def test_a_position_has_many_forms(tmp_path, fields, expected):
     (found,) = read(tmp_path / "log.jsonl", {"record": "position", "time": 1, "robot": "bob", **fields})
     assert told(found) == told(expected)
+    line = {"record": "position", "time": 1, "robot": "bob", "sensor": "tag", **fields}
+    (by_antenna,) = read(tmp_path / "log.jsonl", line, sensors={"tag": {"position": [1, 0]}})
+    assert told(by_antenna) == told(replace(expected, sensor=np.zeros(len(expected.robot), dtype=np.int64)))
 
 
 def test_numbers_will_do_and_names_are_given_to_what_has_none(tmp_path):
@@ -260,7 +265,7 @@ def test_a_log_needs_no_frames(tmp_path):
 
 def test_a_log_of_version_1_takes_what_version_1_has(tmp_path):
     header, records = Header(replace(PLAIN, sensors=()), -0.5), records_of(np.random.default_rng(3))
-    there = [records[1], *records[4:7], records[10], records[-1]]
+    there = [records[1], *records[4:7], records[10], records[-1]]  # positions are none of them
     with LogWriter(tmp_path / "log.jsonl", header, START) as log:
         for record in records:
             if record in there:

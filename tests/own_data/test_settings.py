@@ -62,6 +62,7 @@ def test_settings_that_work(read):
         ),
         (OF_BAGS.replace("speed", "sensors = { tag = { angle = 90, angle_bound = 0 } }\nspeed", 1), "angle: within a turn"),
         (OF_BAGS.replace("speed", "sensors = { tag = { place = 1 } }\nspeed", 1), 'came "place"'),
+        (OF_BAGS.replace("speed", "sensors = { tag = { time_bound = -1 } }\nspeed", 1), "time_bound: how far off its stamps"),
     ],
 )
 def test_a_slip_in_what_is_known_of_the_team_is_told(read, text, told):
@@ -87,7 +88,7 @@ def test_a_slip_in_what_is_known_of_the_team_is_told(read, text, told):
         ({"compass": 'topic = "/imu", bound = 0.1, target = "b"'}, "keys that are known"),
         ({"range": 'topic = "/r", bound = 0.1, convention = "ned"'}, "keys that are known"),
         ({"range": 'topic = "/r", bound = 0.1, relative_bound = 1.0'}, "below 1"),
-        ({"bearing": 'topic = "/r", bearing = "b", bound = 1.6'}, "at most"),
+        ({"bearing": 'topic = "/r", bearing = "b", bound = 3.2'}, "an angle of 180 degrees at most"),
         ({"detections": 'topic = "/r", range_bound = 0.1'}, 'a bound "bearing_bound"'),
         ({"odometry": 'topic = "/o", ' + MOTION.replace("longest", "longst")}, 'a key "longest"'),
         ({"odometry": 'topic = "/o", sideways = 1, ' + MOTION}, "true or false"),

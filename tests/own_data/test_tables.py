@@ -208,12 +208,17 @@ def test_the_example_for_newcomers_works(converted):
 
 
 def test_what_mounted_sensors_measure_is_said_to_be_theirs(converted, tmp_path):
-    camera, tag = "position = [0.2, -0.1], position_bound = 0.01", "angle = 90, angle_bound = 1, unit = 'degrees'"
+    camera, tag = (
+        "position = [0.2, -0.1], position_bound = 0.01",
+        "angle = 90, angle_bound = 1, unit = 'degrees', time_bound = 0.05",
+    )
     sensors = f"sensors = {{ camera = {{ {camera} }}, tag = {{ {tag} }} }}"
     head = OF_TABLES.replace("speed_limit", f"{sensors}\nspeed_limit", 1)
     seen = 'file = "seen.csv", id = "id", bound = 0.1, sensor = "camera", target_sensor = "tag"'
-    settings = of_robots(head, range=seen, compass='file = "way.csv", bound = 0.1, sensor = "tag"')
-    files = {"seen.csv": "t,range,id\n1,2.5,b\n2,3.5,gate\n", "way.csv": "t,heading\n1,0.5\n"}
+    way, gps = 'file = "way.csv", bound = 0.1, sensor = "tag"', 'file = "gps.csv", bound = 0.1, sensor = "camera"'
+    settings = of_robots(head, range=seen, compass=way, position=gps)
+    seen, way, gps = "t,range,id\n1,2.5,b\n2,3.5,gate\n", "t,heading\n1,0.5\n", "t,x,y\n3,1,2\n"
+    files = {"seen.csv": seen, "way.csv": way, "gps.csv": gps}
     code, records, _ = converted(files, settings)
     assert code == 0
     said = [{name: record.get(name) for name in ("record", "sensor", "target_sensor")} for record in records]
@@ -221,8 +226,10 @@ def test_what_mounted_sensors_measure_is_said_to_be_theirs(converted, tmp_path):
         {"record": "compass", "sensor": "tag", "target_sensor": None},
         {"record": "range", "sensor": "camera", "target_sensor": "tag"},
         {"record": "range", "sensor": "camera", "target_sensor": None},
+        {"record": "position", "sensor": "camera", "target_sensor": None},
     ]
     camera, tag = LogReader(tmp_path / "out.jsonl").header.team.sensors
     assert (camera.name, camera.position.tolist(), camera.position_bound, camera.angle) == ("camera", [0.2, -0.1], 0.01, 0.0)
+    assert (camera.time_bound, tag.time_bound) == (0.0, 0.05)
     assert (tag.name, tag.angle, tag.angle_bound) == ("tag", pytest.approx(math.pi / 2), pytest.approx(math.pi / 180))
-    assert [each.sensor.tolist() for each in LogReader(tmp_path / "out.jsonl").records()] == [[1], [0], [0]]
+    assert [each.sensor.tolist() for each in LogReader(tmp_path / "out.jsonl").records()] == [[1], [0], [0], [0] * 4]

@@ -177,6 +177,8 @@ def test_a_bearing_comes_with_the_compass_of_its_instant_and_a_row_with_the_odom
 def test_what_is_of_one_kind_between_the_same_two_is_told_together():
     sources = [Source("range", 0.1, 0, 3), Source("range", 0.2, 0, 3), Source("compass", 0.1, 0)]
     assert in_words(sources) == "range of robot 0 to 3 at 2 times from 0.100 s to 0.200 s; compass of robot 0 at 0.100 s"
+    by_two = [Source("range", 0.1, 0, 3, 0), Source("range", 0.1, 0, 3, 1)]
+    assert in_words(by_two) == "range of robot 0 to 3 by sensor 0 at 0.100 s; range of robot 0 to 3 by sensor 1 at 0.100 s"
 
 
 def test_alarms_that_follow_one_another_are_one_episode_and_a_pose_that_may_be_right_ends_it():

@@ -4,6 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.mrclam_folder import Made, write_run
+from helpers.sensing.clocked import ClockedWorld
+from helpers.sensing.mounted import MountedWorld
 
 from experiments.calibrate import main
 from experiments.logs import LogReader
@@ -16,7 +18,7 @@ from experiments.real_robots.error_bounds import proposed, said, statistics
 from experiments.real_robots.errors import Errors, command_lag, measurement_delay, motion_errors, sensor_errors, speed_scale
 from experiments.real_robots.frames import frames
 from experiments.real_robots.motion import Motions
-from filter import Team, wrap
+from filter import Bearing, Frame, Range, Sensor, Team, Truth, wrap
 
 MADE = Made(duration=24.0, every=0.4, bearing_bias=0.05, range_scale=1.05, delay=0.08, lag=0.16)
 
@@ -83,6 +85,28 @@ def test_the_two_ways_to_a_bearings_error_agree(run):
     mark = run.landmarks[0, 1:]
     by_hand = log.measurements[k, 3] - np.arctan2(mark[1] - y, mark[0] - x) + heading
     assert np.abs(np.angle(np.exp(1j * (errors.error - by_hand))))[np.abs(errors.time - time) < 1e-6].min() < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("kind", [MountedWorld, ClockedWorld])
+def test_sensors_that_are_mounted_somewhere_and_whose_clocks_are_off_keep_their_bounds(kind, seed):
+    world = kind(np.random.default_rng(seed), robots=3, reach=0.8)
+    truth = Truth(world.positions, world.headings)
+    found = sensor_errors([Frame(0.0, None, world.measure(), truth)], world.team)
+    assert {"bearing", "range"} <= {errors.kind for errors in found}
+    assert not any(errors.broken.any() for errors in found)
+    if kind is MountedWorld:
+        assert max(np.abs(by(found, "range").error)) < 0.03 + 4 * world.bound
+
+
+def test_the_error_of_a_camera_is_what_it_is_off_where_it_is():
+    team = Team(1, [[2.0, 0.0], [0.5, 1.0]], sensors=[Sensor("camera", [0.5, 0.0], 0.0, np.pi / 2)])
+    measured = [Range(0.0, 0, [1, 2], [1.6, 1.2], 0.1, 0.0, 0), Bearing(0.0, 0, [1, 2], [-np.pi / 2, 0.3], 0.2, 0)]
+    found = sensor_errors([Frame(0.0, None, measured, Truth([[0.0, 0.0]], [0.0]))], team)
+    assert by(found, "range").error == pytest.approx([0.1, 0.2])
+    assert by(found, "range").broken.tolist() == [False, True]
+    assert by(found, "bearing").error == pytest.approx([0.0, 0.3])
+    assert by(found, "bearing").broken.tolist() == [False, True]
 
 
 def test_statistics_are_those_of_the_errors():

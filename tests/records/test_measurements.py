@@ -32,7 +32,7 @@ NUMBERS = [(kind, name) for kind, values in GOOD.items() for name in values if n
 BOUNDS = [(kind, name) for kind, name in NUMBERS if name.endswith("bound") or name == "range"]
 TOO_WIDE = [
     (Compass, "bound", np.nextafter(np.pi, 4)),
-    (Bearing, "bound", np.pi / 2),
+    (Bearing, "bound", np.nextafter(np.pi, 4)),
     (Range, "relative_bound", 1.0),
     (Odometry, "direction_bound", np.pi / 2),
 ]

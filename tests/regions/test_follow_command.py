@@ -155,7 +155,7 @@ def test_a_suspended_guarantee_ends_with_4_and_a_conflict_with_1(tmp_path, capsy
     assert [line["in_force"] for line in lines_in(tmp_path / "reject")[::2]] == [True] * 4 + [False] * 4
     assert "the guarantee is suspended" in capsys.readouterr().err
     assert main([str(log), "--out", str(tmp_path / "raise")]) == 1
-    assert "compass of robot 0" in summary_in(tmp_path / "raise")["inconsistent"]
+    assert "compass of r0" in summary_in(tmp_path / "raise")["inconsistent"]
     assert len(lines_in(tmp_path / "raise")) == 8
     assert "the filter stopped" in capsys.readouterr().err
 

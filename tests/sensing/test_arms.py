@@ -7,7 +7,6 @@ from helpers.sensing.mounted import MountedWorld, turned
 from filter import AngularIntervals, Bearing, Compass, Frame, Odometry, Polygon, Range, Sensor, Team
 from filter.geometry.angles import wrap
 from filter.linear.constraints import Constraints
-from filter.records.sensors import Mountings
 from filter.sensing.arms import Arms, ways_from
 from filter.sensing.looks import Look, narrowed_by_bearings
 from filter.sensing.motion import CORNERS
@@ -26,7 +25,7 @@ def way_of(seed):
     heading = arc.centre.astype(np.longdouble) + half * np.append(rng.uniform(-1, 1, 300), [-1, 0, 1])
     off, shorter = rng.uniform(-np.pi, np.pi, len(heading)).astype(np.longdouble), np.longdouble(1 - 1e-18)
     really = place + bound * shorter * np.stack([np.cos(off), np.sin(off)], axis=1)
-    mountings = Mountings.of([Sensor("a", [9, 9]), Sensor("b", place, bound)])
+    mountings = Team(3, sensors=[Sensor("a", [9, 9]), Sensor("b", place, bound)]).mountings
     return ways_from(mountings, np.array([1]), arc), -turned(heading, really), (place, bound, arc)
 
 
@@ -59,7 +58,8 @@ def test_the_supports_are_hardly_more_than_the_closed_form(seed):
 
 def test_sensors_at_one_place_have_one_spot():
     sensors = [Sensor("a", [1, 0]), Sensor("b", [1, 0], angle=2), Sensor("c", [0, 0], 0.1), Sensor("d", angle=1)]
-    assert Mountings.of([*sensors, Sensor("e", [1, 0], 0.1), Sensor("f", [1, 0], 0.1)]).spot.tolist() == [1, 1, 3, 0, 5, 6, 0]
+    sensors += [Sensor("e", [1, 0], 0.1), Sensor("f", [1, 0], 0.1), Sensor("g", time_bound=0.1)]
+    assert Team(1, sensors=sensors).mountings.spot.tolist() == [1, 1, 3, 0, 5, 6, 7, 0]
 
 
 def sighted(seed):
@@ -112,7 +112,7 @@ def test_the_ways_between_centres_are_others_by_no_more_than_is_said(seed):
 
 
 def test_what_is_added_up_errs_outward():
-    mountings = Mountings.of([Sensor("a", [3.0, 1.0]), Sensor("b", [0.0, 0.0], 0.3), Sensor("c", [3.0, 0.0], 0.3)])
+    mountings = Team(3, sensors=[Sensor("a", [3.0, 1.0]), Sensor("b", [0.0, 0.0], 0.3), Sensor("c", [3.0, 0.0], 0.3)]).mountings
     record = Range(0.0, 0, 1, 5.0, 0.1, 0.0, [0, 1, 2, 1], [0, 1, 0, 0])
     readings = Readings.of(0.0, [record], mountings=mountings)
     arms = Arms.of(readings, AngularIntervals([0.5, 0.5], [0.0, 0.0]), 2)
@@ -138,7 +138,7 @@ def test_at_each_instant_the_heading_of_that_instant_counts():
 
 
 def test_readings_of_sensors_are_turned_to_the_robots_forward_axis():
-    mountings = Mountings.of([Sensor("a", angle=0.4, angle_bound=0.1), Sensor("b", [1, 0], angle=-3.0)])
+    mountings = Team(3, sensors=[Sensor("a", angle=0.4, angle_bound=0.1), Sensor("b", [1, 0], angle=-3.0)]).mountings
     records = [Compass(0.0, 0, 1.0, 0.2, 0), Bearing(0.0, 0, 1, [0.5, 0.5], 0.05, [0, -1]), Compass(0.0, 1, 1.0, 0.2, 1)]
     readings = Readings.of(0.0, records, mountings=mountings)
     assert readings.compasses.heading.tolist() == pytest.approx([0.6, 4.0])
@@ -152,7 +152,7 @@ def test_readings_of_sensors_are_turned_to_the_robots_forward_axis():
 @pytest.mark.parametrize(("sensor", "tag", "same"), [(1, 2, True), (2, 1, False), (1, -1, False), (-1, 2, False)])
 def test_a_bearing_tells_the_direction_of_a_range_between_the_same_places(sensor, tag, same):
     """From either: the bearing is the other one's here, from its sensor 2 to the first one's sensor 1."""
-    mountings = Mountings.of([Sensor("a"), Sensor("b", [1, 0]), Sensor("c", [2, 0])])
+    mountings = Team(3, sensors=[Sensor("a"), Sensor("b", [1, 0]), Sensor("c", [2, 0])]).mountings
     records = [Bearing(0.0, 1, 0, 0.0, 0.1, 2, 1), Range(0.0, 0, 1, 5.0, 0.1, 0.0, sensor, tag)]
     readings = Readings.of(0.0, records, mountings=mountings)
     ways = AngularIntervals(0.3, 0.1)

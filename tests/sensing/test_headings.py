@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers.worlds import World, of_robot
 
-from filter import Bearing, Compass, Range
+from filter import AngularIntervals, Bearing, Compass, Range, Sensor, Source, Team
 from filter.errors import Inconsistent
 from filter.sensing.headings import narrowed_headings
 from filter.sensing.readings import Readings
@@ -67,3 +67,13 @@ def test_readings_that_exclude_one_another_are_named():
     with pytest.raises(Inconsistent) as caught:
         narrowed(world, belief, [first, second])
     assert [(source.kind, source.robot) for source in caught.value.sources] == [("compass", 1), ("compass", 1)]
+
+
+def test_arcs_that_exclude_one_another_name_their_sensors():
+    team = Team(1, [[1.0, 0.0]], sensors=[Sensor("needle"), Sensor("camera")])
+    records = [Compass(0.0, 0, 2.0, 0.1, 0), Bearing(0.0, 0, 1, 0.0, 0.05, 1)]
+    with pytest.raises(Inconsistent) as caught:
+        narrowed_headings(
+            AngularIntervals.circles(1), Readings.of(0.0, records, None, team.mountings), AngularIntervals(0.0, 0.1)
+        )
+    assert set(caught.value.sources) == {Source("compass", 0.0, 0, None, 0), Source("bearing", 0.0, 0, 1, 1)}

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from filter import AngularIntervals, Bearing, Range, Sensor
+from filter import AngularIntervals, Bearing, Range, Sensor, Team
 from filter.geometry.angles import wrap
-from filter.records.sensors import Mountings
 from filter.sensing.looks import narrowed_by_bearings
 from filter.sensing.readings import Readings
 
 BODIES = 5  # of which the last two are landmarks
-MOUNTINGS = Mountings.of([Sensor("ahead", [0.3, 0.0]), Sensor("turned", angle=0.5)])
+MOUNTINGS = Team(3, sensors=[Sensor("ahead", [0.3, 0.0]), Sensor("turned", angle=0.5)]).mountings
 
 
 def pairs(rng, count):

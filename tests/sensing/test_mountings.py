@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.sensing.mounted import MountedWorld
+from helpers.sensing.mounted import MountedWorld, rotation
 from helpers.worlds import World
 
 from filter import (
@@ -20,6 +20,7 @@ from filter import (
     RobustFilter,
     Sensor,
     SetMembershipFilter,
+    Source,
     Team,
     watch,
 )
@@ -31,10 +32,6 @@ def excluded(belief, world):
     """Return the robots of which a belief excludes the true place, and the true heading."""
     places, ways = belief.regions.contains(world.positions), belief.headings.contains(world.headings)
     return np.flatnonzero(~places).tolist(), np.flatnonzero(~ways).tolist()
-
-
-def rotation(angle):
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -153,6 +150,52 @@ def test_what_a_wrong_mounting_excludes_is_named():
     kept = SetMembershipFilter(team, policy="reject").update(start, [Range(0.0, 0, 1, [1.5, 2.0], 0.05, 0.0, [0, 0])])
     assert len(kept.events) == 1
     assert kept.regions.contains(np.zeros((1, 2))).all()
+
+
+def two_radios(bad=5.0):
+    """Return a filter of alice, who has two radios at her centre, and what these say of a gate 2 m ahead: one is wrong."""
+    team = Team(["alice"], {"gate": [2.0, 0.0]}, arena=[[-9, -9], [9, 9]], sensors=[Sensor("radio"), Sensor("uwb")])
+    records = [Range(0.0, 0, 1, 2.0, 0.1, 0.0, 0), Range(0.0, 0, 1, bad, 0.1, 0.0, 1), Range(0.0, 0, 1, 2.0, 0.1, 0.0)]
+    return team, records, AngularIntervals(0.0, 0.1)
+
+
+def test_conflicts_name_the_sensor():
+    team, records, heading = two_radios()
+    filter_ = SetMembershipFilter(team)
+    start = filter_.start(0.0, [Polygon.box([-8, -8], [8, 8])], heading)
+    with pytest.raises(Inconsistent) as caught:
+        filter_.update(start, records[:2])
+    assert caught.value.sources == (Source("range", 0.0, 0, 1, 0), Source("range", 0.0, 0, 1, 1))
+    assert str(caught.value).endswith(
+        "range of robot 0 to 1 by sensor 0 at 0.000 s; range of robot 0 to 1 by sensor 1 at 0.000 s"
+    )
+    named = "range of alice to gate by radio at 0.000 s; range of alice to gate by uwb at 0.000 s"
+    assert caught.value.named(team) == f"at 0.0 s: no configuration satisfies all of: {named}"
+    assert pickle.loads(pickle.dumps(caught.value)).named(team) == caught.value.named(team)
+
+
+def test_rejections_and_causes_name_the_sensor():
+    team, records, heading = two_radios()
+    filter_ = SetMembershipFilter(team, policy="reject")
+    belief = filter_.update(filter_.start(0.0, [Polygon.box([-1, -1], [1, 1])], heading), records)
+    (event,) = belief.events
+    assert event.source == Source("range", 0.0, 0, 1, 1)
+    assert event.named(team).startswith("rejected range of alice to gate by uwb at 0.000 s; in conflict: ")
+    assert "by sensor 1" in str(event)
+    edges = range(len(belief.regions[0].outer.offsets))
+    by = {cause.sensor for edge in edges for cause in belief.causes(0, edge) if cause.kind == "range"}
+    assert by <= {None, 0}
+    assert by
+
+
+def test_a_compass_and_a_bearing_that_exclude_one_another_name_their_sensors():
+    team = Team(1, [[2.0, 0.0]], arena=[[-9, -9], [9, 9]], sensors=[Sensor("camera"), Sensor("needle")])
+    filter_ = SetMembershipFilter(team)
+    start = filter_.start(0.0, [Polygon.box([-0.1, -0.1], [0.1, 0.1])])
+    with pytest.raises(Inconsistent) as caught:
+        filter_.update(start, [Compass(0.0, 0, 1.0, 0.1, 1), Bearing(0.0, 0, 1, 1.0, 0.1, 0)])
+    by = {source.kind: source.sensor for source in caught.value.sources}
+    assert (by["compass"], by["bearing"]) == (1, 0)
 
 
 def test_a_team_with_sensors_is_a_team_as_any_other():

@@ -116,6 +116,16 @@ def test_the_same_again_says_next_to_nothing_new(robots, most):
     assert np.median(fell) < most
 
 
+def test_regions_without_an_area_become_no_smaller():
+    """Of robots on a line an update came to no end."""
+    assert not are_smaller(np.zeros(2), np.zeros(2))
+    assert are_smaller(np.array([0.0, 1.0]), np.array([0.0, 2.0]))
+    filter_ = SetMembershipFilter(Team(2, arena=[[-9, -9], [9, 9]]))
+    belief = filter_.start(0.0, [Polygon.box([0, 0], [0, 0]), Polygon.box([-5, 0], [5, 0])])
+    outer = filter_.update(belief, [Range(0.0, 0, 1, 2.0, 0.1, 0.0)]).regions[1].outer
+    assert np.ptp(outer.bounds, axis=0)[0] < 4.3
+
+
 def two_within_reach():
     """Return a robot and another one, both somewhere in the same square and with known headings."""
     team = Team(2, np.zeros((0, 2)), 0.5, 1.0)

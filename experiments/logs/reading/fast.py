@@ -16,7 +16,7 @@ from msgspec import UNSET, DecodeError
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
-from experiments.logs.checks import AT_THE_CENTRE, BELOW_90_DEGREES, LARGEST, field_names, read_only
+from experiments.logs.checks import AT_THE_CENTRE, LARGEST, field_names, read_only
 from experiments.logs.reading import typed
 from experiments.logs.reading.bodies import Bodies, bodies_of, sensors_of
 from experiments.logs.reading.pairs import without_pairs
@@ -24,7 +24,7 @@ from experiments.logs.records import FIRST, FrameEnd, Header, Record, TruthAt, s
 from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, Truth, Twist
 
 _NAMES: dict[type, list[str]] = {kind: field_names(kind) for kind in (Odometry, Twist, Compass, Bearing, Range)}
-_MOST: dict[type[Compass | Bearing | Range], float] = {Compass: np.pi, Bearing: BELOW_90_DEGREES, Range: LARGEST}
+_MOST: dict[type[Compass | Bearing | Range], float] = {Compass: np.pi, Bearing: np.pi, Range: LARGEST}
 _AXES = {name: read_only(np.array(column)) for name, column in (("normal_x", [1.0, 0, -1, 0]), ("normal_y", [0, 1.0, 0, -1]))}
 
 
@@ -117,7 +117,7 @@ class Fast:
             return list(map(self._mounted, sensor))
         return AT_THE_CENTRE if sensor is None else self._body(sensor, self._sensors)
 
-    def _fix(self, time: float, robot: Any, position: tuple[float, float], bound: Any) -> Position:
+    def _fix(self, time: float, robot: Any, position: tuple[float, float], bound: Any, sensor: Any) -> Position:
         middle, half = np.array(position), np.array(bound)
         if half.shape not in ((), (2,)):
             raise _Unusual
@@ -125,7 +125,9 @@ class Fast:
         if max(np.abs(lower).max(), np.abs(upper).max()) > LARGEST:
             raise _Unusual
         robots = read_only(np.full(4, self._body(robot, self._robots)))
-        return settled(Position, time=time, robot=robots, **_AXES, offset=read_only(np.concatenate([upper, -lower])))
+        sensors = _centres(4) if sensor is UNSET else read_only(np.full(4, self._mounted(sensor)))
+        offset = read_only(np.concatenate([upper, -lower]))
+        return settled(Position, time=time, robot=robots, **_AXES, offset=offset, sensor=sensors)
 
     def _truth(self, time: float, positions: list[Any], headings: list[Any]) -> TruthAt:
         if not len(positions) == len(headings) == self._robots.count:

@@ -171,6 +171,11 @@ class Fields:
         value = self._take(name)
         return [None if body is None else known.number(name, body) for body in (value if isinstance(value, list) else [value])]
 
+    def body_or(self, name: str, known: Bodies, missing: int) -> int:
+        """Take one body; another number stands for null."""
+        value = self._take(name)
+        return missing if value is None else known.number(name, value)
+
     def robots(self, known: Bodies) -> Integers:
         """Take the column `robot`."""
         robots = self.bodies("robot", known)

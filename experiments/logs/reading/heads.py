@@ -59,7 +59,7 @@ def _second(record: Fields) -> dict[str, Any]:
 def _sensor(name: str, fields: Fields) -> Sensor:
     """Return how a sensor is mounted; what is not said is 0."""
     place = fields.pair("position") if fields.has("position") else (0.0, 0.0)
-    numbers = {key: fields.number(key) for key in ("position_bound", "angle", "angle_bound") if fields.has(key)}
+    numbers = {key: fields.number(key) for key in ("position_bound", "angle", "angle_bound", "time_bound") if fields.has(key)}
     fields.end()
     return Sensor(name, place, **numbers)
 

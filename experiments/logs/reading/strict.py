@@ -17,7 +17,7 @@ from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.heads import read_set
 from experiments.logs.reading.pairs import VALUES, without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Record, TruthAt
-from filter import Bearing, Compass, Integers, InvalidInput, Left, Odometry, Polygon, Position, Range, Truth, Twist
+from filter import Bearing, Compass, Integers, InvalidInput, Left, Measurement, Odometry, Polygon, Position, Range, Truth, Twist
 
 ASIDE = "aside"  # a column that need not be there
 SENSORS = ("sensor", "target_sensor")  # neither need these
@@ -88,7 +88,7 @@ class Strict:
         self._team.check(found)
         return found
 
-    def _sensors_in(self, kind: type[Compass | Bearing | Range], record: Fields) -> dict[str, Integers]:
+    def _sensors_in(self, kind: type[Measurement], record: Fields) -> dict[str, Integers]:
         """Return the columns of sensors that are there; null is at the centre."""
         there = [name for name in SENSORS if name in field_names(kind) and record.has(name) and not self._first]
         found = {name: record.bodies(name, self._sensors) for name in there}
@@ -120,17 +120,20 @@ class Strict:
         time = record.number("time")
         if record.has("normal_x"):
             self._even(record)
-            columns = ("normal_x", "normal_y", "offset")
-            return Position(time, record.robots(self._robots), **{name: record.numbers(name) for name in columns})
-        robot = record.robot(self._robots)
+            robots, columns = record.robots(self._robots), ("normal_x", "normal_y", "offset")
+            numbers = {name: record.numbers(name) for name in columns}
+            return Position(time, robots, **numbers, **self._sensors_in(Position, record))
+        robot, sensor = record.robot(self._robots), AT_THE_CENTRE
+        if record.has("sensor"):
+            sensor = record.body_or("sensor", self._sensors, AT_THE_CENTRE)
         if record.has("vertices"):
-            return Position.within(time, robot, Polygon.from_vertices(record.points("vertices")))
+            return Position.within(time, robot, Polygon.from_vertices(record.points("vertices")), sensor)
         if record.has("normal"):
-            return Position.half_plane(time, robot, record.pair("normal"), record.number("offset"))
+            return Position.half_plane(time, robot, record.pair("normal"), record.number("offset"), sensor)
         place = record.pair("position")
         if record.has("radius"):
-            return Position.disc(time, robot, place, record.number("radius"))
-        return Position.fix(time, robot, place, record.numbers("bound"))
+            return Position.disc(time, robot, place, record.number("radius"), sensor=sensor)
+        return Position.fix(time, robot, place, record.numbers("bound"), sensor)
 
     def _joined(self, record: Fields) -> Joined:
         return Joined(record.number("time"), record.robot(self._robots), read_set(record))

@@ -76,7 +76,7 @@ class BearingLine(Line, Generic[Body, Bound], tag="bearing"):
     time: Number
     robot: Body | list[Body]
     bearing: Number | list[Number]
-    bound: RightAngle | list[Bound]
+    bound: HalfTurn | list[Bound]
     target: Body | list[Body | None] | UnsetType | None = UNSET
     landmark: Body | list[Body | None] | UnsetType | None = UNSET
     sensor: Body | list[Body | None] | UnsetType | None = UNSET
@@ -104,6 +104,7 @@ class FixLine(Line, Generic[Body], tag="position"):
     robot: Body
     position: Point
     bound: Positive | list[Positive]
+    sensor: Body | UnsetType | None = UNSET
 
 
 class TruthLine(Line, tag="truth"):
@@ -134,7 +135,7 @@ class FrameLine(Line, tag="frame"):
 first: Decoder[Line] = Decoder(
     OdometryLine[Whole]
     | CompassLine[Whole, HalfTurn]
-    | BearingLine[Whole, RightAngle]
+    | BearingLine[Whole, HalfTurn]
     | RangeLine[Whole, Positive]
     | TruthLine
     | FrameLine

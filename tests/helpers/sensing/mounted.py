@@ -15,6 +15,7 @@ from filter import (
     Measurement,
     Odometry,
     Polygon,
+    Position,
     Range,
     Sensor,
     Team,
@@ -26,6 +27,11 @@ def turned(by: Array, vectors: Array) -> Array:
     """Return vectors (k, 2) turned by (k,) angles [rad]."""
     sine, cosine = np.sin(by), np.cos(by)
     return np.stack([cosine * vectors[:, 0] - sine * vectors[:, 1], sine * vectors[:, 0] + cosine * vectors[:, 1]], axis=1)
+
+
+def rotation(angle: float) -> Array:
+    """Return the (2, 2) matrix that turns by an angle [rad]."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 @dataclass
@@ -91,6 +97,23 @@ class MountedWorld:
         bodies, headings = np.vstack([self.positions, self.team.landmarks]), np.append(self.headings, [0.0] * self.landmarks)
         return bodies[body] + turned(headings[body], self.places[sensor])
 
+    def placed(self, time: float = 0.0, share: float = 0.7) -> list[Position]:
+        """Return where a share of the antennas are: in a box, in a disc, or on one side of a line."""
+        robots, sensors = np.divmod(np.arange(4 * self.robots), 4)
+        places = self.places_of(robots, sensors - 1)
+        every = zip(robots.tolist(), sensors - 1, places, strict=True)
+        return [self._around(time, *each) for each in every if self.rng.random() < share]
+
+    def _around(self, time: float, robot: int, sensor: int, place: Array) -> Position:
+        half, way, form = self.rng.uniform(0, 0.3, 2), self.rng.uniform(-np.pi, np.pi), self.rng.integers(3)
+        if form == 0:
+            return Position.fix(time, robot, place + half * self.error(2), half, sensor)
+        normal = np.array([np.cos(way), np.sin(way)])
+        near = place - half[0] * np.abs(self.error(1)) * normal
+        if form == 1:
+            return Position.disc(time, robot, near, half[0] + 1e-9, 16, sensor)
+        return Position.half_plane(time, robot, -3 * normal, -3 * (normal @ near), sensor)
+
     def measure(self, time: float = 0.0, bearings: float = 0.7, ranges: float = 0.7, compass: float = 0.5) -> list[Measurement]:
         """Return what a share of all sensors measures."""
         rng, bodies = self.rng, self.robots + self.landmarks
@@ -102,14 +125,22 @@ class MountedWorld:
             who, whom = robot[some], target[some]
             sensor = rng.choice([-1, 0, 1], len(who), p=[0.2, 0.5, 0.3])
             tag = np.where(whom < self.robots, rng.choice([-1, 0, 1], len(who), p=[0.2, 0.5, 0.3]), -1)
-            away = self.places_of(whom, tag) - self.places_of(who, sensor)
-            error, half = self.sloppy * self.error(len(who)), self.sloppy + 1e-9
-            if kind is Bearing:
-                value = np.arctan2(away[:, 1], away[:, 0]) - self.headings[who] - self.angles[sensor] + error
-                found.append(Bearing(time, who, whom, value, half, sensor, tag))
-            else:
-                value = np.maximum(np.hypot(*away.T) + error, 0.0)
-                found.append(Range(time, who, whom, value, half, 0.0, sensor, tag))
-        who = np.flatnonzero(rng.random(self.robots) < compass)
+            found.append(self.sighted(kind, time, (who, whom), (sensor, tag)))
+        return [*found, self.shown(time, np.flatnonzero(rng.random(self.robots) < compass))]
+
+    def sighted(
+        self, kind: type[Bearing | Range], time: float, bodies: tuple[Integers, Integers], sensors: tuple[Integers, Integers]
+    ) -> Bearing | Range:
+        """Return what robots, by their sensors (k,), measure of bodies, or of sensors of these (k,)."""
+        (who, whom), (sensor, tag) = bodies, sensors
+        away = self.places_of(whom, tag) - self.places_of(who, sensor)
+        error, half = self.sloppy * self.error(len(who)), self.sloppy + 1e-9
+        if kind is Bearing:
+            value = np.arctan2(away[:, 1], away[:, 0]) - self.headings[who] - self.angles[sensor] + error
+            return Bearing(time, who, whom, value, half, sensor, tag)
+        return Range(time, who, whom, np.maximum(np.hypot(*away.T) + error, 0.0), half, 0.0, sensor, tag)
+
+    def shown(self, time: float, who: Integers) -> Compass:
+        """Return what compasses of robots (k,) show."""
         shown = wrap(self.headings[who] + self.angles[2] + self.sloppy * self.error(len(who)))
-        return [*found, Compass(time, who, shown, self.sloppy + 1e-9, 2)]
+        return Compass(time, who, shown, self.sloppy + 1e-9, 2)

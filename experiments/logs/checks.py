@@ -2,6 +2,8 @@
 
 from filter.arrays import LARGEST, finite, read_only
 from filter.records.odometry import SHORTEST
+from filter.records.radians import bearing_in_radians, heading_in_radians
 from filter.records.record import AT_THE_CENTRE, BELOW_90_DEGREES, field_names
 
-__all__ = ["AT_THE_CENTRE", "BELOW_90_DEGREES", "LARGEST", "SHORTEST", "field_names", "finite", "read_only"]
+__all__ = ["AT_THE_CENTRE", "BELOW_90_DEGREES", "LARGEST", "SHORTEST", "bearing_in_radians", "field_names", "finite"]
+__all__ += ["heading_in_radians", "read_only"]

@@ -167,14 +167,14 @@ class Live:
         batch = self._head()
         header = self._feed.reading.header
         names = tuple(map(header.team.name, range(header.team.robots)))
-        with Answers(self._folder, names) as answers, ExitStack() as held:
-            self._answering = self._begun(answers, held)
-            try:
+        try:
+            with Answers(self._folder, names) as answers, ExitStack() as held:
+                self._answering = self._begun(answers, held)
                 self._through(self._answering, batch)
-            except Inconsistent as error:
-                conflict = str(error)
-            except KeyboardInterrupt:
-                stopped = True
+        except Inconsistent as error:
+            conflict = str(error)
+        except KeyboardInterrupt:
+            stopped = True
         self._tell(conflict)
         if stopped:
             return STOPPED

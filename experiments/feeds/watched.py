@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 from types import TracebackType
 
 import numpy as np
@@ -27,7 +26,7 @@ class Watched(Beside):
 
     A pose is possible only if the robot can have got there from where it was at the step before, and from there to where it is
     at the step after: by its odometry, as far as that has come, and else by its limits. Nothing is proved of one that is away,
-    or may have been carried in between.
+    or may have been carried in between, nor by a region whose guarantee is suspended.
 
     Attributes:
         judged: What was judged.
@@ -44,43 +43,34 @@ class Watched(Beside):
     ) -> None:
         """Begin with what is known at the start; of each alarm is said what is wrong, when [s], why, and where (2,) [m]."""
         self._team, self._files, self._say = team, files, say
-        self._newest, self._changes = now.lagged.steps[-1], now.changes
-        begin = float(np.nextafter(self._newest.belief.time - TOLERANCE, -np.inf))
+        self._steps = now.lagged.steps
+        begin = _before(self._steps[0])
         self.judged, self.unjudged = Judged(claims, begin, begin), 0
 
     def keep(self, answered: Answered) -> None:
         """Take one answer in; odometry alone has to wait for what is measured next."""
-        steps = answered.now.lagged.steps
-        if steps[-1] is self._newest:
+        steps, last = answered.now.lagged.steps, self.judged.last
+        if steps[-1] is self._steps[-1]:
             return
-        for before, after in pairwise(self._chain(steps)):
-            self._judge(before, after, answered.now)
-        self._newest, self._changes = steps[-1], answered.now.changes
+        self._steps, begin = steps, _before(steps[0])
+        if begin > last or steps[-1].belief.time < last - TOLERANCE:  # nobody knows any more, or stamps have jumped back
+            self.unjudged += sum(claimed.poses(last, begin) for claimed in self.judged.claims)
+            self.judged.last = begin
+        for place in range(1, len(steps)):
+            if steps[place].belief.time > self.judged.last:
+                self._judge(steps[: place + 1], answered.now)
 
-    def _chain(self, steps: Sequence[Known]) -> list[Known]:
-        """Return the step that was judged last and those after it, all since the oldest: of before that no motion is known."""
-        oldest, judged = steps[0].belief.time, self.judged
-        newest = self._newest
-        if steps[-1].belief.time < newest.belief.time:  # stamps have jumped back
-            judged.last = oldest
-        if oldest > newest.belief.time or steps[-1].belief.time < newest.belief.time:
-            self.unjudged += sum(claimed.poses(judged.last, oldest) for claimed in judged.claims)
-            judged.last, newest = max(judged.last, oldest), steps[0]
-        return [newest, *(step for step in steps if step.belief.time > newest.belief.time)]
-
-    def _judge(self, before: Known, after: Known, now: Now) -> None:
-        """Judge what is claimed of the time up to a step."""
-        until = after.belief.time + TOLERANCE
-        through = [step for step in now.lagged.steps if step.belief.time < before.belief.time] + [before, after]
-        followed = ~self._carried(before.belief.time, until, now)
+    def _judge(self, steps: Sequence[Known], now: Now) -> None:
+        """Judge what is claimed of the time up to the last of some steps, as they are now: late records change them."""
+        beliefs, until = [step.belief for step in steps[-2:]], steps[-1].belief.time + TOLERANCE
+        followed = ~self._carried(beliefs[0].time, until, now)
         for claimed in self.judged.claims:
-            moments = claimed.moments(self.judged.last, until)[-AT_ONCE:]
-            missed = claimed.poses(self.judged.last, until)
+            moments, poses = claimed.moments(self.judged.last, until)[-AT_ONCE:], claimed.poses(self.judged.last, until)
             for moment in moments:
-                verdict = self._verdict(claimed, moment, (before.belief, after.belief), now.motions, followed)
-                self._files.write(self.judged.take(claimed, [verdict], through))
+                verdict = self._verdict(claimed, moment, beliefs, now.motions, followed)
+                self._files.write(self.judged.take(claimed, [verdict], steps))
                 self._tell(claimed, moment, verdict)
-            self.unjudged += missed - int(np.isfinite(claimed.positions[moments, :, 0]).sum())
+            self.unjudged += poses - int(np.isfinite(claimed.positions[moments, :, 0]).sum())
         self.judged.last = until
 
     def _verdict(self, claimed: Claimed, moment: int, beliefs: Sequence[Belief], motions: Motions, followed: Mask) -> Verdict:
@@ -100,10 +90,9 @@ class Watched(Beside):
         return farthest
 
     def _carried(self, since: float, until: float, now: Now) -> Mask:
-        """Return (n,) who has come or gone in between, or of whom it has turned out only now."""
-        told = now.changes
+        """Return (n,) who has come or gone in between."""
         carried = np.zeros(self._team.robots, dtype=bool)
-        carried[[robot for time, robot in told if since <= time <= until or (time, robot) not in self._changes]] = True
+        carried[[robot for time, robot in now.changes if since <= time <= until]] = True
         return carried
 
     def _tell(self, claimed: Claimed, moment: int, verdict: Verdict) -> None:
@@ -114,3 +103,8 @@ class Watched(Beside):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._files.end(self.judged)
+
+
+def _before(step: Known) -> float:
+    """Return after which time a pose can be of a step's [s]."""
+    return float(np.nextafter(step.belief.time - TOLERANCE, -np.inf))

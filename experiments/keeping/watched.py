@@ -28,8 +28,10 @@ class AlarmFiles:
         self._alarms.writerow(ALARM)
 
     def write(self, rows: Iterable[Row]) -> None:
-        """Write alarms, each a row of `ALARM`."""
-        self._alarms.writerows(rows)
+        """Write alarms, each a row of `ALARM`, and see them off."""
+        for row in rows:
+            self._alarms.writerow(row)
+            self._file.flush()
 
     def end(self, judged: Judged) -> None:
         """Write the episodes: there is no further pose to judge."""

@@ -57,18 +57,14 @@ class Onlooker:
         return self._waiting.qsize() < MOST and not self.gone
 
     def _run(self) -> None:
-        stream = self._connected()
-        while (what := self._waiting.get()) is not None:
-            try:
+        try:
+            stream = self._connected()
+            while (what := self._waiting.get()) is not None:
                 what(stream)
                 if self._waiting.empty():
                     stream.flush(timeout_sec=PATIENCE)
-            except RuntimeError:
-                self._give_up()
+        except RuntimeError:
+            self.gone = True
+            tell("the viewer does not receive any more: the run goes on without it")
+            Event().wait()  # to let go of the stream would be to wait for the viewer
         stream.disconnect()
-
-    def _give_up(self) -> None:
-        """Let the viewer be; to let go of its stream would be to wait for it."""
-        self.gone = True
-        tell("the viewer does not receive any more: the run goes on without it")
-        Event().wait()

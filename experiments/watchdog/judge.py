@@ -43,7 +43,7 @@ class Verdict:
             moved: (n,) how far each robot can have gone in between [m].
             followed: (n,) of which robots that is known; others may have been carried.
         """
-        judged = np.isfinite(positions).all(axis=1) & there(belief) & followed
+        judged = np.isfinite(positions).all(axis=1) & there(belief) & belief.guarantee.in_force & followed
         self.judged[judged] = True
         outside = judged & ~belief.regions.contains(positions)
         # Most poses are inside: nothing can be proved of them.
@@ -58,7 +58,8 @@ class Judge:
     """Judges poses between the frames of a log.
 
     A pose is possible only if the robot can have got there from where it was at the frame before, and from there to where it
-    is at the frame after. Nothing is proved of one that is away, or may have been carried in between.
+    is at the frame after. Nothing is proved of one that is away, or may have been carried in between, nor by a region whose
+    guarantee is suspended: a bound is known to be broken.
 
     Attributes:
         reach: How far robots can get.

@@ -16,7 +16,7 @@ from experiments.feeds.now import Now, gone_on
 from experiments.feeds.watched import AT_ONCE, Watched
 from experiments.keeping.watched import TOLERANCE, AlarmFiles
 from experiments.watchdog.claimed import Claimed
-from filter import FixedLag, Frame, Left, Odometry, Placed, Polygon, Position, Team
+from filter import AngularIntervals, FixedLag, Frame, Left, Odometry, Placed, Polygon, Position, Team, Twist
 
 
 class Said:
@@ -88,11 +88,11 @@ def test_every_alarm_is_confirmed_by_fractions_and_most_of_what_is_far_off_is_fo
     assert place.tolist() == claimed.positions[claimed.times == time][0, int(what[1])].tolist()
 
 
-def standing(time=0.0, limit=0.6):
+def standing(time=0.0, limit=0.6, **options):
     """Return one robot of which is known that it is in the unit square."""
     rng, _, filter_, _, _ = world(0)
     team = Team(1, [[0.0, 9.0]], speed_limit=limit, arena=[[-20, -20], [20, 20]])
-    filter_ = type(filter_).light(team)
+    filter_ = type(filter_).light(team, **options)
     return rng, filter_, filter_.start(time, [Polygon.box([0, 0], [1, 1])])
 
 
@@ -125,6 +125,31 @@ def test_a_robot_that_may_have_been_carried_is_not_accused_and_one_that_is_away_
     fed(now, watch, [[seen(1.0)], [Left(2.0, 0)], [placed, seen(3.0)], [seen(4.0)], [seen(5.0)]])
     assert [time for _, time, _, _ in said.alarms] == [0.5, 4.5]
     assert watch.judged.checks == 2
+
+
+def test_by_what_is_not_guaranteed_nothing_is_proved(tmp_path):
+    _, filter_, known = standing(policy="reject")
+    claimed = Claimed("", np.array([0.5, 2.5]), np.full((2, 1, 2), 9.0))
+    now, watch, said = watched(tmp_path, filter_, known, [claimed])
+    far = Position.within(2.0, 0, Polygon.box([10, 10], [11, 11]))
+    fed(now, watch, [[seen(1.0)], [far], [seen(3.0)]])
+    assert now.belief.guarantee.lapsed.all()
+    assert [time for _, time, _, _ in said.alarms] == [0.5]
+    assert watch.judged.checks == 1
+
+
+def test_a_twist_that_is_ended_late_has_the_poses_since_then_judged_anew(tmp_path):
+    """Until the end of the twist was told the robot seemed to go on."""
+    _, filter_, _ = standing()
+    bounds = {"speed_bound": 0.0, "turn_rate_bound": 0.0, "direction_bound": 0.1, "slip_rate": 0.01}
+    there = filter_.start(0.0, [Polygon.box([0, 0], [0.1, 0.1])], AngularIntervals([0.0], [0.1]))
+    claimed = Claimed("", np.array([0.9]), np.array([[[0.05 + 0.5, 0.05]]]))
+    now, watch, said = watched(tmp_path, filter_, there, [claimed])
+    going = Twist(0.0, 0, 1.0, turn_rate=0.0, hold=5.0, **bounds)
+    stopped = Twist(0.5, 0, 0.0, turn_rate=0.0, hold=5.0, **bounds)
+    fed(now, watch, [[going, Frame(0.8)], [stopped, Frame(1.0)]])
+    assert said.alarms == []
+    assert watch.judged.checks == 1
 
 
 def test_who_has_left_as_is_told_late_is_not_accused_of_that_time_from_then_on(tmp_path):

@@ -21,7 +21,7 @@ from experiments.following.scenarios import Scenario, of_log
 from experiments.keeping.files import Poses, Proofs, check_provable
 from experiments.keeping.regions import RegionFiles
 from experiments.keeping.running import Keeper, Running, Told, exit_code
-from experiments.keeping.watched import Watched
+from experiments.keeping.watched import ALARMS, BACK, EPISODES, POSES, TOLERANCE, Watched
 from experiments.logs import LogReader
 from experiments.regions import FILES, Format, check_packages
 from experiments.show.command import command
@@ -34,13 +34,10 @@ from experiments.watchdog.watching import Watching
 from filter import ExtendedKalmanFilter, Filter, InvalidInput, Policy, RobustFilter, SetMembershipFilter, Team, Window
 
 LOG, RECORDING = "log.jsonl", "follow.rrd"
-POSES = "r*.tum"  # of the folder that is watched
-BACK = 1.0  # how far an alarm is traced back [s]
 EVERY = 0.1  # so long a time is one step, where nothing needs each stamp [s]
-TOLERANCE = 1e-6  # of the stamps of watched poses [s]
 # What a run leaves in its folder; what is there from an earlier one would be taken for this one's.
 PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz")
-LEFT = ("alarms.csv", "episodes.csv", *PROOFS, RECORDING, *FILES.values())
+LEFT = (ALARMS, EPISODES, *PROOFS, RECORDING, *FILES.values())
 
 
 @dataclass(frozen=True)

@@ -9,34 +9,44 @@ from __future__ import annotations
 import gc
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from experiments.feeds.answering import Answering, Feed
 from experiments.feeds.answers import Answers
+from experiments.feeds.beside import Beside
 from experiments.feeds.intake import Batch, Intake, Source
 from experiments.feeds.now import Now, gone_on
 from experiments.feeds.reading import Reading
 from experiments.feeds.sources import source_of
 from experiments.feeds.tally import Tally
 from experiments.feeds.truths import Truths
+from experiments.feeds.watched import Watched
 from experiments.feeds.words import Words
 from experiments.following.metrics import Value
 from experiments.following.steps import warmed_up
 from experiments.keeping.running import exit_code
+from experiments.keeping.watched import ALARMS, EPISODES, POSES, AlarmFiles, watch_summary
 from experiments.logs import InvalidLog, first_belief
 from experiments.regions import FILES
 from experiments.show.command import STOPPED, command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, tell
-from filter import Budget, FixedLag, Inconsistent, InvalidInput, Policy, SetMembershipFilter, Team, Window
+from experiments.watchdog.claimed import claims_in
+from experiments.watchdog.told import print_episodes, sentence, summary_of
+from filter import Array, Budget, FixedLag, Inconsistent, InvalidInput, Policy, SetMembershipFilter, Team, Window
 
+if TYPE_CHECKING:
+    from experiments.feeds.pictures import Pictures
+
+RECORDING = "live.rrd"
+LEFT = (FILES["jsonl"], RECORDING, ALARMS, EPISODES)  # what an earlier run may have left, and this one may not write
 TURN = 0.0005  # how long Python may keep the reading thread from taking the time of an arrival [s]
 
 
@@ -46,9 +56,9 @@ class Options:
 
     Records are lines as docs/log.md has them, the header and the initial sets first. Regions go to standard output and to
     regions.jsonl, see docs/regions.md; everything else is said on stderr. Exit code 0 only if the guarantee was in force all
-    the time and no truth, where the feed tells it, was outside; 1 for one that was, or for measurements proved to disagree; 4
-    if the guarantee was suspended; 2 for bad input; 3 if regions could not be written, as their reader has closed; 130 for
-    Ctrl-C.
+    the time and no truth, where the feed tells it, was outside; 1 for one that was, for measurements proved to disagree, or
+    for a watched pose that is proved wrong; 4 if the guarantee was suspended; 2 for bad input; 3 if regions could not be
+    written, as their reader has closed; 130 for Ctrl-C.
     """
 
     source: Annotated[str, tyro.conf.arg(name="from", metavar="-|tcp://HOST:PORT|ws://HOST:PORT")] = "-"
@@ -75,6 +85,13 @@ class Options:
     policy: Policy = "raise"
     """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
     is suspended from then on."""
+    watch: Path | None = None
+    """Hold another estimator's poses against the regions as their time comes: a TUM file, r0.tum or r0_slam.tum, or a folder of
+    them, read at the start. What is proved wrong is said at once."""
+    view: bool = False
+    """Show what is answered in a live viewer; the answers never wait for it."""
+    recording: bool = False
+    """Record live.rrd, to look at with Rerun."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -91,7 +108,8 @@ def run(options: Options) -> int:
     """
     _check(options)
     folder = output_folder(options.out)
-    (folder / FILES["jsonl"]).unlink(missing_ok=True)
+    for name in LEFT:
+        (folder / name).unlink(missing_ok=True)
     source = source_of(options.source, options.connections)
     warmed_up()  # before anything is taken in
     with _prompt():
@@ -135,6 +153,7 @@ class Live:
         self._options, self._folder, self._source = options, folder, source
         self._feed = Feed(Intake(), Reading(source.name), options.pause, Words(), Tally())
         self._answering: Answering | None = None
+        self._watched: Watched | None = None
 
     def run(self) -> int:
         """Answer to the end, write the summary and tell it; return the exit code.
@@ -148,16 +167,18 @@ class Live:
         batch = self._head()
         header = self._feed.reading.header
         names = tuple(map(header.team.name, range(header.team.robots)))
-        with Answers(self._folder, names) as answers:
-            self._answering = self._begun(answers)
-            try:
+        try:
+            with Answers(self._folder, names) as answers, ExitStack() as held:
+                self._answering = self._begun(answers, held)
                 self._through(self._answering, batch)
-            except Inconsistent as error:
-                conflict = error.named(header.team)
-            except KeyboardInterrupt:
-                stopped = True
+        except Inconsistent as error:
+            conflict = error.named(header.team)
+        except KeyboardInterrupt:
+            stopped = True
         self._tell(conflict)
-        return STOPPED if stopped else exit_code(self._feed.tally, conflict is not None)
+        if stopped:
+            return STOPPED
+        return 1 if self._watched and self._watched.judged.alarms else exit_code(self._feed.tally, conflict is not None)
 
     def _head(self) -> Batch:
         """Read until the initial sets are known; return what has come after them, together."""
@@ -171,14 +192,35 @@ class Live:
                 self._feed.intake.answered(1)
         return batch
 
-    def _begun(self, answers: Answers) -> Answering:
-        """Start the filter with what the feed began with."""
+    def _begun(self, answers: Answers, held: ExitStack) -> Answering:
+        """Start the filter with what the feed began with, and what goes on beside it."""
         options, reading = self._options, self._feed.reading
         filter_ = filter_of(options, reading.header.team)
         restart = partial(gone_on, filter_)
         lag = FixedLag(filter_, lag=options.lag, gap=options.gap, restart=restart, every=options.every)
         now = Now(lag, filter_, first_belief(filter_, reading.header, reading.initial))
-        return Answering(self._feed, filter_.team, now, answers, Truths(filter_))
+        return Answering(self._feed, now, answers, Truths(filter_), list(self._besides(now, held)))
+
+    def _besides(self, now: Now, held: ExitStack) -> Iterator[Beside]:
+        """Yield what goes on beside the answers: first the watch, so that its alarms are in the pictures."""
+        options, team, shown = self._options, self._feed.reading.header.team, None
+        if options.view or options.recording:
+            from experiments.feeds.pictures import pictures  # noqa: PLC0415 - Rerun is half a second that few need
+
+            path = self._folder / RECORDING if options.recording else None
+            shown = pictures(team, path, view=options.view)
+            held.enter_context(shown)
+        if options.watch:
+            claims = claims_in(options.watch, POSES, team.robots, 0.0)
+            self._watched = Watched(now, team, claims, AlarmFiles(self._folder), partial(self._alarm, shown))
+            yield held.enter_context(self._watched)
+        if shown:
+            yield shown
+
+    def _alarm(self, shown: Pictures | None, what: str, time: float, why: str, place: Array) -> None:
+        self._feed.words.say(what, f"at {time:.3f} s {why}")
+        if shown:
+            shown.mark(what, time, why, place)
 
     def _through(self, answering: Answering, batch: Batch) -> None:
         while True:
@@ -196,6 +238,9 @@ class Live:
         shown = {name: value for name, value in summary.items() if value is not None}
         print_table(f"live, in {self._folder}", shown, stderr=True)
         tally = self._feed.tally
+        if self._watched:
+            print_episodes(self._watched.judged.episodes, stderr=True)
+            tell(sentence(summary_of(self._watched.judged)))
         if conflict:
             tell(f"the filter stopped: {conflict}")
         if tally.suspended is not None:
@@ -211,7 +256,11 @@ class Live:
         known: dict[str, Value] = {"robots": header.team.robots, "filter": "sets", "policy": options.policy}
         known |= {"from": options.source, "every_s": options.every, "lag_s": options.lag, "budget_s": options.budget}
         late, refused = (lagged.late, lagged.refused + tally.refused) if lagged else (0, 0)
-        return known | tally.summary() | {"late": late, "refused": refused, "inconsistent": conflict}
+        known |= tally.summary() | {"late": late, "refused": refused, "inconsistent": conflict}
+        known["recording"] = RECORDING if options.recording else None
+        if self._watched:
+            known |= watch_summary(self._watched.judged) | {"watch_unjudged": self._watched.unjudged}
+        return known
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
 from filter.follow import AnyBelief, Filter, Step, changed, follow
 from filter.geometry.angles import AngularIntervals, wrap
+from filter.geometry.north import heading_from_north, place_from_north
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
 from filter.lag import FixedLag, Lagged, Mistimed
@@ -44,7 +45,8 @@ from filter.watch import Alarm, watch
 __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Sensor", "Team"]
 __all__ += ["Truth", "Twist"]
 __all__ += ["Arrival", "Left", "Motions", "Placed", "frames_of"]
-__all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "wrap"]
+__all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "heading_from_north"]
+__all__ += ["place_from_north", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]
 __all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 from experiments.feeds.answers import Answers
+from experiments.feeds.beside import Answered, Beside
 from experiments.feeds.intake import Batch, Intake, Line
 from experiments.feeds.now import Now
 from experiments.feeds.reading import Reading
 from experiments.feeds.tally import Tally
 from experiments.feeds.truths import Truths
 from experiments.feeds.words import Words
+from experiments.following.checks import Escapes
 from experiments.logs import InvalidLog, Record, TruthAt
 from experiments.logs.gathering import arrival_of
-from filter import Arrival, InvalidInput, OutOfOrder, Team
+from filter import Arrival, Frame, InvalidInput, OutOfOrder
 
 BEHIND = 1.0  # so far behind is worth a word [s]
 
@@ -79,9 +81,9 @@ class Answering:
         now: What is known.
     """
 
-    def __init__(self, feed: Feed, team: Team, now: Now, answers: Answers, truths: Truths) -> None:
-        self._feed, self._team, self._answers, self._truths = feed, team, answers, truths
-        self.now = now
+    def __init__(self, feed: Feed, now: Now, answers: Answers, truths: Truths, besides: Sequence[Beside] = ()) -> None:
+        self._feed, self._team, self._answers, self._truths = feed, feed.reading.header.team, answers, truths
+        self.now, self._besides = now, besides
         self._behind = BEHIND  # what is worth the next word [s]
 
     @property
@@ -106,7 +108,9 @@ class Answering:
             known = perf_counter()
             self._answers.write(self.now.belief)
             self._answered([line for line, _ in arrivals], known - began)
-        self._check()
+        answered = Answered(self.now, tuple(arrival for _, arrival in arrivals), tuple(self._check()))
+        for beside in self._besides if answered.records or answered.checked else ():
+            beside.keep(answered)
 
     def _arrivals(self, line: Line, record: Record) -> list[tuple[Line, Arrival]]:
         """Return a record as filters take it; truth is put aside."""
@@ -147,11 +151,13 @@ class Answering:
             self._behind = 2 * tally.behind
             self._feed.words.say("behind", f"answers are {tally.behind:.1f} s behind the stamps")
 
-    def _check(self) -> None:
+    def _check(self) -> Iterator[tuple[Frame, Escapes]]:
+        """Hold what was answered against the truths that are due, and yield them with those that were outside."""
         due, left_out = self._truths.due(self.now)
         self._feed.tally.unchecked += left_out
         for belief, frame in due:
-            escapes = self._feed.tally.check(belief, frame.truth) if frame.truth else None
+            escapes = self._feed.tally.check(belief, frame.truth) if frame.truth else Escapes()
+            yield frame, escapes
             if escapes:
                 names = [self._team.name(robot) for robot in sorted({*escapes.positions, *escapes.headings})]
                 self._feed.words.say("escaped", f"{', '.join(names)} at {frame.time:.3f} s")

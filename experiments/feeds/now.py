@@ -9,6 +9,8 @@ import numpy as np
 
 from filter import Arrival, Belief, FixedLag, Frame, Lagged, Motions, Odometry, SetMembershipFilter, Twist
 
+Change = tuple[float, int]  # time [s] and robot of one who comes or goes
+
 AHEAD = 0.1  # so far odometry alone is followed from what was measured; beyond it is merged [s]
 
 
@@ -48,6 +50,11 @@ class Now:
         now = self.lagged.belief
         self._latest = latest if latest <= now.time + AHEAD else now.time
         self.belief = self._moved(now, self._latest) if self._latest > now.time else now
+
+    @property
+    def changes(self) -> set[Change]:
+        """Who has come or gone in the steps that are kept, and when."""
+        return {(change.time, change.robot) for step in self.lagged.steps for change in step.frame.changes}
 
     def _are_soon(self, told: Sequence[Odometry | Twist], latest: float) -> bool:
         """Return whether odometry goes on from what is known, and not too far."""

@@ -9,15 +9,13 @@ from typing import cast
 
 import numpy as np
 
-from experiments.feeds.now import Now
+from experiments.feeds.now import Change, Now
 from experiments.logs import TruthAt
 from experiments.logs.gathering import arrival_of
 from filter import Belief, Frame, SetMembershipFilter, Truth
 
 AT_ONCE = 2  # so many instants are checked after a batch: what is measured comes first
 KEPT = 64  # answers, and truths that wait
-
-Change = tuple[float, int]  # time [s] and robot
 
 
 class Truths:
@@ -37,7 +35,7 @@ class Truths:
         Raises:
             Inconsistent: A robot has left the arena for sure.
         """
-        self._answers.append((now.belief, _changes(now)))
+        self._answers.append((now.belief, now.changes))
         come = [frame for frame in self._waiting if frame.time <= now.belief.time]
         later = [frame for frame in self._waiting if frame.time > now.belief.time]
         self._waiting = deque(later[-KEPT:])
@@ -59,15 +57,10 @@ class Truths:
         if not before:
             return
         last, known = before[-1]
-        carried = [robot for time, robot in _changes(now) - known if time <= frame.time]
+        carried = [robot for time, robot in now.changes - known if time <= frame.time]
         if last.time < frame.time:
             last = self._filter.predict(last, frame.time, now.motions.between(last.time, frame.time))
         yield last, replace(frame, truth=frame.truth and _without(frame.truth, carried))
-
-
-def _changes(now: Now) -> set[Change]:
-    """Return who has come or gone in the steps that are kept, and when."""
-    return {(change.time, change.robot) for step in now.lagged.steps for change in step.frame.changes}
 
 
 def _without(truth: Truth, robots: Sequence[int]) -> Truth:

@@ -2,6 +2,16 @@
 
 from filter.arrays import LARGEST, finite, read_only
 from filter.records.odometry import SHORTEST
+from filter.records.radians import bearing_in_radians, heading_in_radians
 from filter.records.record import AT_THE_CENTRE, field_names
 
-__all__ = ["AT_THE_CENTRE", "LARGEST", "SHORTEST", "field_names", "finite", "read_only"]
+__all__ = [
+    "AT_THE_CENTRE",
+    "LARGEST",
+    "SHORTEST",
+    "bearing_in_radians",
+    "field_names",
+    "finite",
+    "heading_in_radians",
+    "read_only",
+]

@@ -9,7 +9,7 @@ from decimal import Decimal, InvalidOperation
 from typing import Any, Literal
 
 from experiments.own_data.table import Bound
-from filter import InvalidInput, wrap
+from filter import InvalidInput, heading_from_north, place_from_north, wrap
 
 Convention = Literal["enu", "ned"]
 CONVENTIONS = ("enu", "ned")
@@ -62,16 +62,6 @@ def wrapped(angle: float) -> float:
     return angle if -math.pi < angle <= math.pi else float(wrap(angle))
 
 
-def heading_from_north(angle: float) -> float:
-    """Return a heading counter-clockwise from east, of one clockwise from north [rad]."""
-    return math.pi / 2 - angle
-
-
-def place_from_north(north: float, east: float) -> tuple[float, float]:
-    """Return x to the east and y to the north, of coordinates that begin with north [m]."""
-    return east, north
-
-
 def mirrored(bound: Bound) -> Bound:
     """Return a bound of the errors of a value whose sign is changed."""
     return (-bound[1], -bound[0]) if isinstance(bound, tuple) else bound
@@ -113,7 +103,7 @@ class Door:
     def heading_of_yaw(self, yaw_: float) -> float:
         """Return a yaw in radians, which may be one from north, as a heading in (-pi, pi] [rad]."""
         if self.convention == "ned":
-            return wrapped(heading_from_north(yaw_ + self.declination))
+            return float(heading_from_north(yaw_, self.declination))
         return wrapped(yaw_ - self.declination)
 
     def turn(self, value: float) -> float:
@@ -129,7 +119,10 @@ class Door:
     def place(self, x: float, y: float) -> tuple[float, float]:
         """Return coordinates x to the east, y to the north [m]."""
         place = metres(x, self.length), metres(y, self.length)
-        return place_from_north(*place) if self.convention == "ned" else place
+        if self.convention == "ned":
+            east, north = place_from_north(place).tolist()
+            return east, north
+        return place
 
     def distance(self, value: float) -> float:
         """Return a length, or a speed [m, m/s]."""

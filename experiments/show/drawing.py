@@ -95,13 +95,17 @@ class Drawing:
         for robot, region in enumerate(belief.regions):
             yield from self._region(self.team.name(robot), region) if here[robot] else nothing(self.team.name(robot))
         if frame.truth is not None:
-            for robot in range(self.team.robots):
-                yield from self._truth(self.team.name(robot), frame.truth, robot)
+            yield from self.truths(frame.truth)
         for robot in np.flatnonzero(here).tolist():
             place = None if frame.truth is None else frame.truth.positions[robot]
             seen = place is not None and bool(np.isfinite(place).all())
             yield self._trail(robot, frame.time, place if place is not None and seen else belief.regions[robot].outer.centroid)
         yield from rays(frame, belief, self.team)
+
+    def truths(self, truth: Truth) -> Iterator[tuple[str, Item]]:
+        """Yield each entity's path and where its robot is."""
+        for robot in range(self.team.robots):
+            yield from self._truth(self.team.name(robot), truth, robot)
 
     def _region(self, name: str, region: Region) -> Iterator[tuple[str, Item]]:
         yield f"/world/fill/{name}", Fans((at_height(region.outer.vertices, "fill"),))
@@ -147,13 +151,17 @@ class Layers:
         yield f"/world/inner/{ALL}", Strips(tuple(closed(inner, "inner") for inner in inners))
         yield f"/world/estimate/{ALL}", Points(at_height(np.reshape([outer.centroid for outer in outers], (-1, 2)), "estimate"))
         if frame.truth is not None:
-            places, headings = at_height(frame.truth.positions, "truth"), frame.truth.headings
-            along = ARROW * np.column_stack([np.cos(headings), np.sin(headings), np.zeros(len(headings))])
-            yield f"/world/truth/{ALL}", Points(places)
-            yield f"/world/heading/{ALL}", Arrows(places, along)
+            yield from self.truths(frame.truth)
         yield from rays(frame, belief, self.team)
         yield from _plotted("/area", [outer.area for outer in outers])
         yield from _plotted("/performance_ratio", [region.performance_ratio for region in regions])
+
+    def truths(self, truth: Truth) -> Iterator[tuple[str, Item]]:
+        """Yield each layer's path and where the robots are."""
+        places, headings = at_height(truth.positions, "truth"), truth.headings
+        along = ARROW * np.column_stack([np.cos(headings), np.sin(headings), np.zeros(len(headings))])
+        yield f"/world/truth/{ALL}", Points(places)
+        yield f"/world/heading/{ALL}", Arrows(places, along)
 
 
 def nothing(name: str) -> Iterator[tuple[str, Item]]:

@@ -1,6 +1,6 @@
 """Recordings to look at with Rerun, live and afterwards; `drawing` beside it is what is shown, `blueprint` how it opens.
 
-Nothing else but `blueprint` imports Rerun.
+Nothing else but `blueprint`, `columns` and `onlooker` imports Rerun.
 
 Rows are kept for a second of the run's time and sent as columns, which is ten times faster than row by row.
 """
@@ -12,47 +12,33 @@ import os
 import shutil
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from experiments.following.located import Located
 from experiments.show.blueprint import BACKGROUND, INDIVIDUALLY, blueprint
 from experiments.show.colours import Colour, colour_of, mixed
-from experiments.show.drawing import (
-    ALL,
-    LABEL,
-    PLOTTED,
-    Arrows,
-    Drawing,
-    Fans,
-    Item,
-    Layers,
-    Number,
-    Points,
-    Strips,
-    at_height,
-    closed,
-    triangles_of,
-)
+from experiments.show.columns import columns_of
+from experiments.show.drawing import ALL, LABEL, PLOTTED, Drawing, Item, Layers, Points, Strips, at_height, closed
+from experiments.show.onlooker import PATIENCE, Onlooker, Shown
 from filter import Array, Frame, Polygon, Team
 
 APPLICATION = "corral"
 SEND_EVERY = 1.0  # [s] of the run's time
 ROOM = 16 << 20  # that there has to be for what is sent next [bytes]: on a full disk Rerun's own writer waits for ever
-VIEWER_PATIENCE = 10.0  # [s] that a viewer may take at the end to receive what is left
 WALL: Colour = (112, 118, 130)
 INK: Colour = (245, 246, 248)
 ELLIPSE: Colour = (255, 214, 102)  # of another estimator
 ALARM: Colour = (255, 76, 76)
 ELLIPSE_HEIGHT = 0.040  # above every other layer [m]
 CROWDED = 0.4  # size of a large team's points and lines, relative to a small one's
-NO_POINTS = np.zeros((0, 3))
 CIRCLE = np.array([(np.cos(turn), np.sin(turn)) for turn in np.linspace(0, 2 * np.pi, 33)])
 RAYS: dict[str, Colour] = {"bearing": (84, 90, 102), "range": (62, 67, 77)}
 
@@ -70,7 +56,7 @@ class Recording:
 
     def __init__(
         self,
-        path: Path,
+        path: Path | None,
         team: Team,
         *,
         recording_id: str,
@@ -79,11 +65,12 @@ class Recording:
         camera: bool = False,
         inside: bool = True,
         viewer: str | None = None,
+        live: bool = False,
     ) -> None:
         """Open the file and draw what never moves.
 
         Args:
-            path: The `.rrd` file.
+            path: The `.rrd` file, or None for a viewer alone.
             team: Whose run it is.
             recording_id: The same for two runs that shall be compared.
             walls: (w, 4) lower x, lower y, upper x, upper y of each wall [m]; without any, the arena is outlined.
@@ -91,20 +78,19 @@ class Recording:
             camera: Whether there will be images, which need a place.
             inside: Whether anything will be known from inside; else there is no performance ratio to plot.
             viewer: Address of a live viewer (see `experiments.show.viewer`), or None.
+            live: Whether nobody must wait: rows are sent ten times as often, and a viewer that is behind misses some.
 
         Raises:
             OSError: The file cannot be written, or there is no room for it.
         """
-        self._path = path
+        self._path, self._send_every = path, SEND_EVERY / (10 if live else 1)
         self._look_for_room()
-        batches = rr.ChunkBatcherConfig(flush_tick=3600.0, flush_num_bytes=1 << 26, flush_num_rows=1 << 20)
-        self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False, batcher_config=batches)
-        self._stream.set_log_time_enabled(False)
-        live = [rr.GrpcSink(viewer)] if viewer else []
+        opened = partial(_stream, recording_id, blueprint(team, camera, inside))
         try:
-            self._stream.set_sinks(rr.FileSink(path), *live, default_blueprint=blueprint(team, camera, inside))
+            self._file = opened(rr.FileSink(path)) if path else None
         except RuntimeError as error:
             raise OSError(errno.EIO, str(error), str(path)) from None
+        self._onlooker = Onlooker(lambda: opened(rr.GrpcSink(viewer)), 0.0 if live else PATIENCE) if viewer else None
         self._drawing = Drawing(team) if team.robots <= INDIVIDUALLY else Layers(team)
         self._rows: dict[str, list[tuple[int, float, Any]]] = defaultdict(list)
         self._step, self._time, self._sent = -1, 0.0, -np.inf
@@ -117,8 +103,14 @@ class Recording:
         self._step, self._time = self._step + 1, frame.time
         for path, item in self._drawing.items(frame, belief):
             self._put(path, item)
-        if self._time - self._sent >= SEND_EVERY:
+        if abs(self._time - self._sent) >= self._send_every:  # clocks may be set back
             self.send()
+
+    def truth(self, frame: Frame) -> None:
+        """Record the truth that a frame has, at its own time, with the last step; the frame need not be one of a step."""
+        if frame.truth is not None:
+            for path, item in self._drawing.truths(frame.truth):
+                self._rows[path].append((self._step, frame.time, item))
 
     def ellipses(self, means: Array, covariances: Array, size: float) -> None:
         """Record another estimator's ellipses e' P^-1 e <= size at the last step, over the polygons.
@@ -161,10 +153,8 @@ class Recording:
 
     def image(self, pixels: NDArray[np.uint8]) -> None:
         """Record a (height, width, 3) image of the last step."""
-        self._stream.set_time("t", duration=self._time)
-        self._stream.set_time("step", sequence=self._step)
-        self._stream.log("/camera", rr.Image(pixels).compress(jpeg_quality=85))
-        self._stream.reset_time()
+        found = rr.Image(pixels).compress(jpeg_quality=85)
+        self._show(partial(_pictured, time=self._time, step=self._step, image=found))
 
     def send(self) -> None:
         """Send the rows that wait.
@@ -173,10 +163,12 @@ class Recording:
             OSError: The disk is full.
         """
         self._look_for_room()
+        sent = dict[str, Any]()
         for path, rows in self._rows.items():
             steps, times, items = zip(*rows, strict=True)
             indexes = [rr.TimeColumn("t", duration=times), rr.TimeColumn("step", sequence=steps)]
-            self._stream.send_columns(path, indexes, _columns(items), strict=True)
+            sent[path] = indexes, columns_of(items)
+        self._show(partial(_sent, sent))
         self._rows.clear()
         self._sent = self._time
 
@@ -185,19 +177,27 @@ class Recording:
         try:
             self.send()
         finally:
-            with suppress(RuntimeError):  # a viewer that somebody has closed keeps nothing from the file
-                self._stream.flush(timeout_sec=VIEWER_PATIENCE)
-            self._stream.disconnect()
+            if self._file:
+                self._file.disconnect()
+            if self._onlooker:
+                self._onlooker.close()
 
     def _look_for_room(self) -> None:
-        if shutil.disk_usage(self._path.parent).free < ROOM:
+        if self._path and shutil.disk_usage(self._path.parent).free < ROOM:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
 
     def _put(self, path: str, item: Item | tuple[str, str]) -> None:
         self._rows[path].append((self._step, self._time, item))
 
     def _static(self, path: str, archetype: Any) -> None:
-        self._stream.log(path, archetype, static=True, strict=True)
+        self._show(lambda stream: stream.log(path, archetype, static=True, strict=True), for_sure=True)
+
+    def _show(self, what: Shown, *, for_sure: bool = False) -> None:
+        """Put something into the file, and have it shown to whoever looks on."""
+        if self._file:
+            what(self._file)
+        if self._onlooker:
+            self._onlooker.show(what, for_sure=for_sure)
 
     def _style_once(self, path: str, archetype: Any) -> None:
         if path not in self._styled:
@@ -262,29 +262,22 @@ class Recording:
         self.close()
 
 
-def _columns(items: Sequence[Any]) -> list[Any]:
-    """Return Rerun's columns of one entity's rows, which are all of one type."""
-    match items[0]:
-        case Strips():
-            lines = [line for item in items for line in item.lines]
-            return [*rr.LineStrips3D.columns(strips=lines).partition([len(item.lines) for item in items])]
-        case Points():
-            positions = np.concatenate([item.positions for item in items])
-            return [*rr.Points3D.columns(positions=positions).partition([len(item.positions) for item in items])]
-        case Arrows():
-            origins, vectors = (np.concatenate([getattr(item, name) for item in items]) for name in ("origins", "vectors"))
-            return [*rr.Arrows3D.columns(origins=origins, vectors=vectors).partition([len(item.origins) for item in items])]
-        case Fans():
-            return _fans(items)
-        case Number():
-            return [*rr.Scalars.columns(scalars=[item.value for item in items])]
-    texts, levels = zip(*items, strict=True)
-    return [*rr.TextLog.columns(text=texts, level=levels)]
+def _stream(recording_id: str, opens: rrb.Blueprint, sink: Any) -> rr.RecordingStream:
+    """Return a stream into one sink, which sends what it is told to and nothing by itself."""
+    batches = rr.ChunkBatcherConfig(flush_tick=3600.0, flush_num_bytes=1 << 26, flush_num_rows=1 << 20)
+    stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False, batcher_config=batches)
+    stream.set_log_time_enabled(False)
+    stream.set_sinks(sink, default_blueprint=opens)
+    return stream
 
 
-def _fans(items: Sequence[Fans]) -> list[Any]:
-    points = [np.concatenate([NO_POINTS, *item.polygons]) for item in items]
-    triangles = [triangles_of([len(vertices) for vertices in item.polygons]) for item in items]
-    corners = rr.Mesh3D.columns(vertex_positions=np.concatenate(points)).partition([len(each) for each in points])
-    indices = rr.Mesh3D.columns(triangle_indices=np.concatenate(triangles)).partition([len(each) for each in triangles])
-    return [*corners, *indices]
+def _sent(rows: Mapping[str, Any], stream: rr.RecordingStream) -> None:
+    for path, (indexes, columns) in rows.items():
+        stream.send_columns(path, indexes, columns, strict=True)
+
+
+def _pictured(stream: rr.RecordingStream, time: float, step: int, image: Any) -> None:
+    stream.set_time("t", duration=time)
+    stream.set_time("step", sequence=step)
+    stream.log("/camera", image)
+    stream.reset_time()

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from filter import Array, Bearing, Frame, Odometry, Polygon, Range, RobustFilter, Team, follow
+from filter import Array, Bearing, Frame, Odometry, Polygon, Range, RobustFilter, Team, follow, wrap
 
 LANDMARKS = np.array([[4.0, 0.0], [0.0, 4.0], [-4.0, 0.0], [0.0, -4.0]])
 ANGLE, SHARE = np.radians(3), 0.05  # the largest errors of a bearing [rad], and of a range its share
@@ -26,7 +26,7 @@ def world(rng: np.random.Generator) -> tuple[list[Frame], list[Array]]:
         seen = rng.integers(4)
         taken_for = (seen + (rng.random() < 0.1)) % 4  # a mistake in one of ten
         x, y = LANDMARKS[seen] - place
-        bearing = Bearing(time, 0, 1 + taken_for, np.arctan2(y, x) - heading + rng.uniform(-ANGLE, ANGLE), ANGLE)
+        bearing = Bearing(time, 0, 1 + taken_for, wrap(np.arctan2(y, x) - heading + rng.uniform(-ANGLE, ANGLE)), ANGLE)
         distance = Range(time, 0, 1 + taken_for, np.hypot(x, y) * rng.uniform(1 - SHARE, 1 + SHARE), 0, SHARE)
         frames.append(Frame(time, driven if k else None, (bearing, distance)))
         places.append(place)

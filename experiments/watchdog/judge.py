@@ -29,13 +29,37 @@ class Verdict:
     alarms: dict[int, Alarm]
     moved: dict[int, float]
 
+    @classmethod
+    def of(cls, time: float, robots: int) -> Verdict:
+        """Return the verdict on poses of so many robots of which nothing is proved yet."""
+        return cls(time, np.zeros(robots, dtype=bool), {}, {})
+
+    def take(self, belief: Belief, positions: Array, moved: Array, followed: Mask) -> None:
+        """Add what a belief of another time proves.
+
+        Args:
+            belief: What is possible then.
+            positions: (n, 2) the poses [m]; NaN where there is none.
+            moved: (n,) how far each robot can have gone in between [m].
+            followed: (n,) of which robots that is known; others may have been carried.
+        """
+        judged = np.isfinite(positions).all(axis=1) & there(belief) & belief.guarantee.in_force & followed
+        self.judged[judged] = True
+        outside = judged & ~belief.regions.contains(positions)
+        # Most poses are inside: nothing can be proved of them.
+        for alarm in watch(belief, np.where(outside[:, None], positions, np.nan), moved=moved) if outside.any() else ():
+            known = self.alarms.get(alarm.robot)
+            if known is None or alarm.distance > known.distance:
+                self.alarms[alarm.robot], self.moved[alarm.robot] = alarm, float(moved[alarm.robot])
+
 
 @dataclass(frozen=True, eq=False)
 class Judge:
     """Judges poses between the frames of a log.
 
     A pose is possible only if the robot can have got there from where it was at the frame before, and from there to where it
-    is at the frame after. Nothing is proved of one that is away, or may have been carried in between.
+    is at the frame after. Nothing is proved of one that is away, or may have been carried in between, nor by a region whose
+    guarantee is suspended: a bound is known to be broken.
 
     Attributes:
         reach: How far robots can get.
@@ -68,7 +92,7 @@ class Judge:
         until = times[frame] if frame < len(times) - 1 else self.last
         for moment in claimed.moments(after, until):
             time, positions = float(claimed.times[moment]), claimed.positions[moment]
-            verdict = Verdict(time, np.zeros(len(positions), dtype=bool), {}, {})
+            verdict = Verdict.of(time, len(positions))
             for number, belief in enumerate(beliefs, frame + 1 - len(beliefs)):
                 self._judge(number, belief, positions, verdict)
             yield verdict
@@ -77,14 +101,7 @@ class Judge:
         """Add what is proved by a frame."""
         span = verdict.time - self.tolerance, verdict.time + self.tolerance
         moved = self.reach.away(frame, *span)
-        judged = np.isfinite(positions).all(axis=1) & there(belief) & ~self.reach.carried(frame, *span)
-        verdict.judged[judged] = True
-        outside = judged & ~belief.regions.contains(positions)
-        # Most poses are inside: nothing can be proved of them.
-        for alarm in watch(belief, np.where(outside[:, None], positions, np.nan), moved=moved) if outside.any() else ():
-            known = verdict.alarms.get(alarm.robot)
-            if known is None or alarm.distance > known.distance:
-                verdict.alarms[alarm.robot], verdict.moved[alarm.robot] = alarm, float(moved[alarm.robot])
+        verdict.take(belief, positions, moved, ~self.reach.carried(frame, *span))
 
 
 def judge_of(team: Team, frames: Sequence[Frame], claims: Sequence[Claimed], tolerance: float) -> Judge:

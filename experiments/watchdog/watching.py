@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from experiments.following.scenarios import Scenario
@@ -18,27 +18,51 @@ from filter import Belief, SetMembershipFilter, Step
 PLACE = ("normal_x", "normal_y", "offset_m", "moved_m", "frame_s")
 ALARM = ("time_s", "robot", "trajectory", "distance_m", *PLACE, "episode", "sources")
 EPISODE = ("episode", "trajectory", "start_s", "end_s", "poses", "distance_max_m", "worst_s", "behind")
+Row = tuple[object, ...]
 
 
-class Watching:
-    """Judges what other estimators claim.
+class Judged:
+    """Collects verdicts on what other estimators claim.
 
     Attributes:
-        judge: What judges.
         claims: What is judged.
+        first: Poses later than this are judged [s].
+        last: Poses not later than this are, or were so far [s].
         checks: How many poses were judged.
         alarms: How many of them are proved wrong.
     """
 
-    def __init__(self, judge: Judge, claims: Sequence[Claimed], back: float) -> None:
-        """Prepare for alarms to be traced back so far [s]."""
-        self.judge, self.claims, self.checks, self.alarms = judge, claims, 0, 0
-        self._back, self._steps, self._episodes, self._frame = back, deque[Step[Belief]](), Episodes(), 0
+    def __init__(self, claims: Sequence[Claimed], first: float, last: float) -> None:
+        self.claims, self.first, self.last, self.checks, self.alarms = claims, first, last, 0, 0
+        self._episodes = Episodes()
 
     @property
     def episodes(self) -> Sequence[tuple[Episode, str]]:
         """The episodes that have ended, each with what is behind it."""
         return self._episodes.ended
+
+    def take(self, claimed: Claimed, verdicts: Iterable[Verdict], through: Sequence[Step[Belief]]) -> list[Row]:
+        """Take in verdicts on an estimator, and steps to trace them back through; return a row of `ALARM` for each alarm."""
+        rows = []
+        for verdict in verdicts:
+            episodes = self._episodes.add(claimed, verdict, through)
+            self.checks += int(verdict.judged.sum())
+            self.alarms += len(episodes)
+            rows += [_row(claimed, verdict, robot, episode) for robot, episode in episodes.items()]
+        return rows
+
+    def end(self) -> None:
+        """End the episodes that go on: there is no further step."""
+        self._episodes.end()
+
+
+class Watching(Judged):
+    """Judges what other estimators claim as a filter goes through a log."""
+
+    def __init__(self, judge: Judge, claims: Sequence[Claimed], back: float) -> None:
+        """Prepare for alarms to be traced back so far [s]."""
+        super().__init__(claims, judge.first, judge.last)
+        self._judge, self._back, self._steps, self._frame = judge, back, deque[Step[Belief]](), 0
 
     def run(self, scenario: Scenario, path: Path) -> None:
         """Judge every pose as the filter goes through a log, and write every alarm.
@@ -54,16 +78,14 @@ class Watching:
                 progress.advance(step.frame.time, step.seconds)
         self.end()
 
-    def judged(self, step: Step[Belief]) -> list[tuple[object, ...]]:
+    def judged(self, step: Step[Belief]) -> list[Row]:
         """Judge every pose since the frame before that of the next step; return a row of `ALARM` for every alarm."""
         self._remember(step)
-        rows = [row for claimed in self.claims for row in self._judged(self._frame, claimed)]
+        beliefs, through, rows = [step.belief for step in list(self._steps)[-2:]], list(self._steps), list[Row]()
+        for claimed in self.claims:
+            rows += self.take(claimed, self._judge.verdicts(self._frame, beliefs, claimed), through)
         self._frame += 1
         return rows
-
-    def end(self) -> None:
-        """End the episodes that go on: there is no further step."""
-        self._episodes.end()
 
     def _remember(self, step: Step[Belief]) -> None:
         """Keep the steps to trace back through from this one and from the one before."""
@@ -71,18 +93,8 @@ class Watching:
         while len(self._steps) > 2 and self._steps[0].frame.time < self._steps[-2].frame.time - self._back:
             self._steps.popleft()
 
-    def _judged(self, frame: int, claimed: Claimed) -> list[tuple[object, ...]]:
-        """Judge an estimator's poses since the frame before; return a row for every alarm."""
-        rows = []
-        for verdict in self.judge.verdicts(frame, [step.belief for step in list(self._steps)[-2:]], claimed):
-            episodes = self._episodes.add(claimed, verdict, list(self._steps))
-            self.checks += int(verdict.judged.sum())
-            self.alarms += len(episodes)
-            rows += [_row(claimed, verdict, robot, episode) for robot, episode in episodes.items()]
-        return rows
 
-
-def _row(claimed: Claimed, verdict: Verdict, robot: int, episode: Episode) -> tuple[object, ...]:
+def _row(claimed: Claimed, verdict: Verdict, robot: int, episode: Episode) -> Row:
     alarm = verdict.alarms[robot]
     place = (*alarm.normal.tolist(), alarm.offset, verdict.moved[robot], alarm.time)
     sources = "; ".join(map(str, alarm.sources))

@@ -20,8 +20,11 @@ import numpy as np
 
 from filter.arrays import Array, Floats, Integers, checked, finite, instance, number, several, shown, whole_number
 from filter.errors import InvalidInput
+from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON
+from filter.geometry.north import heading_from_north
 from filter.geometry.polygon import BY_HAND, Polygon
+from filter.records.radians import bearing_in_radians, heading_in_radians
 from filter.records.record import AT_THE_CENTRE, BELOW_1, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
 
 
@@ -45,7 +48,10 @@ class _Sighting(Record):
 
 @dataclass(frozen=True, eq=False)
 class Compass(Record):
-    """Headings in the world frame, by compass.
+    """Headings in the world frame, by compass. They may be of more than one turn, as a yaw that was never wrapped is.
+
+    Those in degrees are made by `from_north`, or by `numpy.radians` of value and bound. Refused as degrees
+    are bounds beyond pi, and those between pi/2 and pi of headings beyond two turns.
 
     Attributes:
         time: When [s].
@@ -65,10 +71,35 @@ class Compass(Record):
 
         def __init__(self, time: float, robot: Floats, heading: Floats, bound: Floats, sensor: Floats = ...) -> None: ...
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        heading_in_radians(self.heading, self.bound)
+
+    @classmethod
+    def from_north(
+        cls, time: float, robot: Floats, degrees: Floats, bound: Floats, declination: Floats = 0.0, sensor: Floats = CENTRE
+    ) -> Self:
+        """Return headings of compasses that say degrees, clockwise from north: x points east, y to true north.
+
+        Args:
+            time: When [s].
+            robot: (k,) who measured.
+            degrees: (k,) measured, clockwise from the north that the compass points to, of whatever turn [degrees].
+            bound: (k,) largest error, in [0, 180] [degrees].
+            declination: How far that north is east of true north, in [-180, 180] [degrees]; 0 if the compass has corrected it.
+            sensor: (k,) which sensor of the robot measured.
+        """
+        measured, east = finite("heading [degrees]", degrees), finite("declination [degrees]", declination, -180, 180)
+        rounding = ANGLE_ROUNDING * (2 + np.abs(np.radians(measured)).max(initial=0))
+        widest = np.minimum(np.radians(finite("compass bound [degrees]", bound, 0, 180)) + rounding, np.pi)
+        return cls(time, robot, heading_from_north(np.radians(measured), np.radians(east)), widest, sensor)
+
 
 @dataclass(frozen=True, eq=False)
 class Bearing(_Sighting):
     """Directions to targets in the measuring robot's, or sensor's, own frame.
+
+    Refused as degrees are those of more than two turns, in either sense.
 
     Attributes:
         time: When [s].
@@ -100,6 +131,10 @@ class Bearing(_Sighting):
             sensor: Floats = ...,
             target_sensor: Floats = ...,
         ) -> None: ...
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        bearing_in_radians(self.bearing)
 
 
 @dataclass(frozen=True, eq=False)

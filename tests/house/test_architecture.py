@@ -222,7 +222,8 @@ def test_solvers_physics_recording_and_decoding_are_in_their_places(path):
     name = name_of(path)
     assert name == "filter.linear.solvers" or not names & {"piqp", "qpsolvers", "highspy"}
     assert folder(path) == "sim" or "mujoco" not in names
-    assert name in ("experiments.show.recording", "experiments.show.blueprint") or "rerun" not in names
+    shown = {f"experiments.show.{each}" for each in ("recording", "blueprint", "columns", "onlooker")}
+    assert name in shown or "rerun" not in names
     assert name in ("experiments.logs.reading.fast", "experiments.logs.reading.typed") or "msgspec" not in names
     assert name in ("experiments.recorded.bags", "experiments.minute.recorded") or "rosbags" not in names
     assert name == "experiments.own_data.units" or "pyproj" not in names

@@ -22,6 +22,7 @@ FAST = {version: Fast(header) for version, header in HEADERS.items()}
 STRICT = {version: Strict(header) for version, header in HEADERS.items()}
 versions = st.sampled_from([1, 2])
 SPELLINGS = ("{!r}", "{:.3e}", "{:.1f}", "{:.0f}", "{:+.17E}")
+TURN = 2 * np.pi
 LIMITS = [0.0, -0.0, 5e-324, 1.0, np.pi / 2, np.pi, 1e100]
 EDGES = sorted({float(near) for edge in LIMITS for near in (edge, np.nextafter(edge, 0), np.nextafter(edge, np.inf))})
 
@@ -54,8 +55,8 @@ COLUMNS = {
         "slip_rate": POSITIVE,
         "hold": numbers(1e-6, 1e100),
     },
-    "compass": {"heading": ANY, "bound": numbers(0, np.pi)},
-    "bearing": {"bearing": ANY, "bound": numbers(0, np.pi)},
+    "compass": {"heading": numbers(-TURN, TURN), "bound": numbers(0, np.pi)},
+    "bearing": {"bearing": numbers(-TURN, TURN), "bound": numbers(0, np.pi)},
     "range": {"range": POSITIVE, "bound": POSITIVE, "relative_bound": numbers(0, 0.9999999999999999)},
 }
 
@@ -309,6 +310,20 @@ def test_two_bounds_are_two_measurements_in_version_1_and_a_pair_in_version_2():
 def test_the_truth_of_too_few_or_too_many_is_refused_by_both(robots):
     truth = {"record": "truth", "time": 1, "positions": [[0, 0]] * robots, "headings": [0] * robots}
     assert all(strict(json.dumps(truth).encode(), v) is FAST[v].read(json.dumps(truth).encode()) is None for v in FAST)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_degrees_are_refused_by_both_and_a_yaw_that_was_never_wrapped_by_none(version):
+    def read(record, bound, **fields):
+        text = json.dumps({"record": record, "time": 1, "robot": 0, "bound": bound, **fields}).encode()
+        return strict(text, version), FAST[version].read(text)
+
+    assert read("bearing", 0.1, landmark=0, bearing=45.0) == (None, None)
+    assert read("compass", 2.0, heading=350.0) == (None, None)
+    slowly, fast = read("compass", 0.1, heading=350.0)
+    assert told(slowly) == told(fast)
+    slowly, fast = read("bearing", 0.4, landmark=0, bearing=-12.5)
+    assert told(slowly) == told(fast)
 
 
 @settings(max_examples=300)

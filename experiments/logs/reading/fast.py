@@ -16,7 +16,14 @@ from msgspec import UNSET, DecodeError
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
-from experiments.logs.checks import AT_THE_CENTRE, LARGEST, field_names, read_only
+from experiments.logs.checks import (
+    AT_THE_CENTRE,
+    LARGEST,
+    bearing_in_radians,
+    field_names,
+    heading_in_radians,
+    read_only,
+)
 from experiments.logs.reading import typed
 from experiments.logs.reading.bodies import Bodies, bodies_of, sensors_of
 from experiments.logs.reading.pairs import without_pairs
@@ -81,7 +88,9 @@ class Fast:
         return dict(zip(_NAMES[kind], columns, strict=True))
 
     def _compass(self, time: float, robot: Any, value: Any, bound: Any, sensor: Any) -> Compass:
-        return settled(Compass, time=time, **self._measured(Compass, [self._listed(robot)], [value, bound], [sensor]))
+        columns = self._measured(Compass, [self._listed(robot)], [value, bound], [sensor])
+        heading_in_radians(columns["heading"], columns["bound"])
+        return settled(Compass, time=time, **columns)
 
     def _sighted(
         self, kind: type[Bearing | Range], time: float, robot: Any, value: Any, bound: Any, *rest: Any
@@ -93,6 +102,8 @@ class Fast:
             raise _Unusual
         if tag is not UNSET and (columns["target_sensor"][columns["target"] >= self._robots.count] != AT_THE_CENTRE).any():
             raise _Unusual
+        if kind is Bearing:
+            bearing_in_radians(columns["bearing"])
         return settled(kind, time=time, **columns)
 
     def _measured(

@@ -31,15 +31,9 @@ class Poses(Keeper):
 
 
 def check_provable(scenario: Scenario) -> None:
-    """Raise `InvalidInput` if certificates of a run could not be checked: of mounted sensors, or of robots that come and go."""
+    """Raise `InvalidInput` if certificates of a run could not be checked: of mounted sensors."""
     if scenario.team.sensors:
         raise InvalidInput("sensors at the centres of robots for --certificates, as yet", "sensors that are mounted")
-    _check_there(all(known.there for known in scenario.initial))
-
-
-def _check_there(all_the_time: bool) -> None:
-    if not all_the_time:
-        raise InvalidInput("robots that are there all the time for --certificates, as yet", "one that comes or goes")
 
 
 class Proofs(Keeper):
@@ -49,8 +43,7 @@ class Proofs(Keeper):
         self._files = Certificates(folder, team.landmarks)
 
     def keep(self, moment: Moment) -> None:
-        """Take one step in; raises `InvalidInput` if a robot comes or goes."""
-        _check_there(not moment.step.frame.changes)
+        """Take one step in."""
         self._files.write(moment.step)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -66,7 +66,9 @@ class Certificates:
                 lines += [{**time, **line} for line in found]
         self._write(HEADINGS, headings)
         self._write(FILE, lines)
-        self._write(REGIONS, [{**time, "regions": [region_record(region.outer) for region in belief.regions]}])
+        shown = enumerate(region_record(region.outer) for region in belief.regions)
+        gone = belief.guarantee.away
+        self._write(REGIONS, [{**time, "regions": [None if robot in gone else record for robot, record in shown]}])
 
     def _parts(self, belief: Belief) -> list[Part]:
         """Return all that has to be proved of a step, in order; headings are proved from what is before them.

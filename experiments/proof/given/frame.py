@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from experiments.proof.edges import SIDES, plane, through_corner
-from experiments.proof.exact import Vector, length
+from experiments.proof.exact import Arc, Vector, length
 from experiments.proof.motion import Piece
 
 Reading = dict[str, Fraction]
@@ -38,6 +38,19 @@ class Behind:
 Place = Within | Behind
 
 
+@dataclass(frozen=True)
+class Start:
+    """What is known of a robot from some time on, whatever was known before.
+
+    Attributes:
+        place: Where it is.
+        heading: Which way it looks.
+    """
+
+    place: Within
+    heading: Arc
+
+
 def most_of(place: Place, normal: Vector, edges: dict[Vector, Fraction]) -> Fraction | None:
     """Return a number no smaller than normal . p of a robot in a place; None if nothing says one.
 
@@ -62,6 +75,8 @@ class Frame:
         places: Of each robot, where it is, by each position that was measured.
         truth: Of robots, where they were and which way they looked.
         measurements: How many were taken; a position of one robot is one, however many sides it has.
+        changes: Robots that were put somewhere, or None for one that has left, in this order, after the motion.
+        away: Robots that are not there, then.
         pieces: Of each robot, how it moved since the frame before, one after the other; nothing if no time has passed.
     """
 
@@ -70,7 +85,14 @@ class Frame:
     places: dict[int, list[Place]] = field(default_factory=dict)
     truth: dict[int, Pose] = field(default_factory=dict)
     measurements: int = 0
+    changes: list[tuple[int, Start | None]] = field(default_factory=list)
+    away: frozenset[int] = frozenset()
     pieces: list[list[Piece]] = field(default_factory=list)
+
+    @property
+    def placed(self) -> dict[int, Start]:
+        """Where robots were put, at last."""
+        return {robot: start for robot, start in self.changes if start}
 
     def of(self, kind: str, robot: int, target: int | None = None) -> list[Reading]:
         """Return all that one robot measured of a target, in numbers."""

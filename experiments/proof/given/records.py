@@ -26,7 +26,7 @@ COLUMNS = {
 MEASURED = ("compass", "bearing", "range")
 POSITIVE = {"distance_bound", "turn_bound", "speed_bound", "turn_rate_bound", "direction_bound", "slip_bound", "slip_rate"}
 POSITIVE |= {"bound", "relative_bound", "range", HOLD}
-LATER = ("twist", "position")  # kinds of records that version 1 does not have
+LATER = ("twist", "position", "initial", "leave")  # kinds of records that version 1 does not have
 Numbers = dict[str, Fraction]
 
 

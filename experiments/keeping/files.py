@@ -6,11 +6,10 @@ from pathlib import Path
 from types import TracebackType
 
 from experiments.following.located import directions, points
-from experiments.following.scenarios import Scenario
 from experiments.keeping.running import Keeper, Moment
 from experiments.logs import Certificates
 from experiments.show.output import Trajectories
-from filter import InvalidInput, Team
+from filter import Team
 
 
 class Poses(Keeper):
@@ -28,12 +27,6 @@ class Poses(Keeper):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._files.close()
-
-
-def check_provable(scenario: Scenario) -> None:
-    """Raise `InvalidInput` if certificates of a run could not be checked: of mounted sensors."""
-    if scenario.team.sensors:
-        raise InvalidInput("sensors at the centres of robots for --certificates, as yet", "sensors that are mounted")
 
 
 class Proofs(Keeper):

@@ -99,7 +99,11 @@ class Chain:
         if proved is None:
             self._case_by_case(line)
         elif "side" in line:
-            self.sides.add(line, proved)
+            then = self._instants[-1].frame
+            looks = (
+                [in_common(arc, compasses(then, robot)) for robot, arc in enumerate(self._looks)] if "sensors" in line else ()
+            )
+            self.sides.add(line, proved, looks)
         else:
             self._claim(line)
 
@@ -117,7 +121,7 @@ class Chain:
         driven = list(zip(frame.pieces, before, strict=True))
         self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
         self._proved.append({})
-        looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks)
+        looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks, log.mounts)
         for robot, start in frame.placed.items():
             looks[robot], self._placed[robot] = start.heading, number
         self._instants.append(Instant(log, frame, looks, sides, self.edges))

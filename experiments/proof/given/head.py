@@ -11,6 +11,7 @@ from typing import Any
 from experiments.proof.exact import Vector, arc_around
 from experiments.proof.given.driven import Limits
 from experiments.proof.given.frame import Start, Within
+from experiments.proof.given.sensors import Mounts
 from experiments.proof.reading import Broken, Record, body, located, number, shown
 
 FIRST, SECOND = 1, 2  # versions of the format
@@ -28,6 +29,7 @@ class Head:
         names: Of the robots, in their order.
         marks: Names of the landmarks, in their order.
         landmarks: Where they are [m].
+        mounts: The sensors that are mounted somewhere.
         arena: Lower and upper corner, None for a coordinate without a limit [m].
         limits: Of each robot.
         start: When the initial sets hold [s].
@@ -76,7 +78,7 @@ class Head:
         if form != "corral-log" or type(version) is not int or version not in (FIRST, SECOND):
             raise Broken(f"a log of version 1 or 2 was expected, not {shown(form)}, version {shown(version)}")
         self.version: int = version
-        later = {"rate", *ACCELERATIONS} if self.version > FIRST else set()
+        later = {"rate", "sensors", *ACCELERATIONS} if self.version > FIRST else set()
         fields = fields_of(header, "header", HEADER | ({"rate"} - later), later)
         robots, marks = fields["robots"], fields["landmarks"]
         named = isinstance(robots, list) and self.version > FIRST
@@ -84,6 +86,7 @@ class Head:
         self.robots = len(self.names)
         named = isinstance(marks, dict) and self.version > FIRST
         self.marks = _names(marks) if named else [f"l{k}" for k in range(len(marks))]
+        self.mounts = Mounts(fields.get("sensors", {}))
         self.landmarks = [point(place) for place in (marks.values() if named else marks)]
         if len({*self.names, *self.marks}) < len(self.names) + len(self.marks):
             raise Broken("names of robots and landmarks, no two alike, were expected")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved.mounted import followed
+from helpers.proved.mounted import followed, moved_by
 from helpers.proved.runs import lines_of, moved, rewritten
 from helpers.sensing.mounted import MountedWorld
 
@@ -51,6 +51,13 @@ def test_any_run_is_proved(tmp_path):
     assert links["rows of ranges, near side, over a narrower arc that is proved"] > 20
     assert links["headings, from bearings, too"] > 2
     assert links["robots, case by case"] > 10
+
+
+def test_far_from_the_origin_it_is_proved_as_well(tmp_path):
+    world = moved_by(MountedWorld(np.random.default_rng(5), robots=2, landmarks=2), np.array([4e6, -5e6]))
+    links = links_of(followed(tmp_path, 0, "--light", world=world, frames=3, wide=0.1), silent)
+    assert links["rows of bearings, from the log"] > 0
+    assert links["rows of ranges, near side, over a narrower arc that is proved"] > 0
 
 
 def all_of(log, *kinds):

@@ -1,6 +1,7 @@
 """Runs of teams whose sensors are mounted somewhere, with certificates."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 from helpers.sensing.mounted import MountedWorld
@@ -32,3 +33,10 @@ def followed(path, seed, *options, world=None, **how):
     assert told["checks"] > 0
     assert told["escapes"] == told["heading_escapes"] == 0
     return path / "run"
+
+
+def moved_by(world, origin):
+    """Move a world, with all that is in it, far from the origin (2,) [m]; return it."""
+    world.positions = world.positions + origin
+    world.team = replace(world.team, landmarks=world.team.landmarks + origin, arena=world.team.arena + origin)
+    return world

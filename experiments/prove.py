@@ -45,8 +45,8 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
         OSError: There is no such file.
     """
     log = Log(folder)
-    _look_for_files(folder, log.names)
-    chain, told, proved, progress = Chain(log), Told(log), list[list[Region]](), _Progress(show, folder / LINES)
+    _look_for_files(folder, [name for robot, name in enumerate(log.names) if log.is_there(robot)])
+    chain, told, proved, progress = Chain(log), Told(log), list[list[Region | None]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     for frame in log.frames:
         chain.check(headings.at(frame.time), lines.at(frame.time))
@@ -77,28 +77,30 @@ def _recordings(folder: Path) -> list[Path]:
     return [] if name is None else [folder / name]
 
 
-def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region]]) -> Counter[str]:
+def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region | None]]) -> Counter[str]:
     """Check what else shows regions, all of which are proved; return how much of what there is."""
     counts = told.check_summary(folder / SUMMARY)
-    for robot, name in enumerate(log.names):
+    for robot, name in filter(lambda each: log.is_there(each[0]), enumerate(log.names)):
         counts["poses of the trajectories"] += told.check_trajectory(robot, folder / TRAJECTORY.format(name))
     for path in sorted(folder.glob("*.rrd")):
         counts["regions of the recording"], counts[OTHER_ENTITIES] = check_recording(path, log.names, log.frames, proved)
-    counts["regions, closed and as they are shown"] = sum(map(len, proved))
+    counts["regions, closed and as they are shown"] = sum(region is not None for regions in proved for region in regions)
     counts[f"{TRUST}the measurements' own bounds"] = told.numbers()["measurements"]
     return counts
 
 
-def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> list[Region]:
-    """Return the regions of a frame, each of them proved."""
+def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> list[Region | None]:
+    """Return the regions of a frame, each of them proved; None of robots that are away."""
     (place, record), *more = found
     with located(f"{place} (t = {frame.time} s)"):
         if more or len(record["regions"]) != len(chain.headings):
             raise Broken(f"one record of {len(chain.headings)} regions was expected")
-    regions = []
+    regions = list[Region | None]()
     for robot, region in enumerate(record["regions"]):
         with located(f"{place} (t = {frame.time} s, robot {robot})"):
-            regions.append(checked_region(region, chain.shown.get((WORLD, robot), {})))
+            if (region is None) != (robot in frame.away):
+                raise Broken("a region of a robot that is away" if region else "there is no region, though the robot is there")
+            regions.append(checked_region(region, chain.shown.get((WORLD, robot), {})) if region else None)
     return regions
 
 

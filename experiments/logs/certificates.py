@@ -66,7 +66,9 @@ class Certificates:
                 lines += [{**time, **line} for line in found]
         self._write(HEADINGS, headings)
         self._write(FILE, lines)
-        self._write(REGIONS, [{**time, "regions": [region_record(region.outer) for region in belief.regions]}])
+        shown = enumerate(region_record(region.outer) for region in belief.regions)
+        gone = belief.guarantee.away
+        self._write(REGIONS, [{**time, "regions": [None if robot in gone else record for robot, record in shown]}])
 
     def _parts(self, belief: Belief) -> list[Part]:
         """Return all that has to be proved of a step, in order; headings are proved from what is before them.
@@ -77,7 +79,7 @@ class Certificates:
         for before, each in reversed(list(pairwise((None, *belief.proofs)))):
             now = self._read(each, before, used) if isinstance(each, Directions) else [each] if each else []
             parts = now + parts
-            for proof in (part[0] if isinstance(part, tuple) else part for part in now):
+            for proof in (part.proof if isinstance(part, Sighted) else part for part in now):
                 if isinstance(proof, Proof):
                     used |= ranges_at(belief.time, proof.sources, proof.polytope.constraints.source[proof.weights.row])
         return parts
@@ -134,9 +136,11 @@ def records(proof: Proof) -> list[dict[str, Any]]:
 
 
 def side_records(sides: Sighted) -> list[dict[str, Any]]:
-    """Return the certificates of sides, each with the target that it is about."""
-    proof, about = sides
-    return [{**line, "side": target} for line, target in zip(records(proof), about.tolist(), strict=True)]
+    """Return the certificates of sides, each with the target that it is about, and the sensors if they are mounted."""
+    found = [{**line, "side": target} for line, target in zip(records(sides.proof), sides.about.tolist(), strict=True)]
+    if sides.sensors is None:
+        return found
+    return [{**line, "sensors": pair} for line, pair in zip(found, sides.sensors.tolist(), strict=True)]
 
 
 def ranges_at(time: float, sources: Sources, numbers: Integers) -> set[tuple[int, int | None]]:

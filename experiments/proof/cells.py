@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, cos, pi, sin
 
+from experiments.proof.arms import Two, around
 from experiments.proof.cone import ANYWHERE, HAIR, directions
 from experiments.proof.edges import WORLD, plane, unit_normal
 from experiments.proof.exact import (
@@ -39,6 +40,7 @@ WIDENING, FEWER = Fraction(1, 10**8), 1e-5
 TURNS_ROUNDING = Fraction(1, 10**30)  # some turns on, an arc is wider by less [rad]
 Pose = tuple[Polygon, Arc]
 Said = Mapping[Who, Sequence[Reading]]
+Spots = tuple[int, int]  # on the body with the lower number, and on the other
 
 
 @dataclass(frozen=True)
@@ -81,8 +83,8 @@ def check_cases(line: Record, then: Instant) -> Arc:
     said = {who: then.frame.of(*who) for who in ((one["kind"], one["robot"], one["target"]) for one in line["said"])}
     _bound_work(line, spacing, sum(map(len, said.values())))
     bodies = sorted({body for _, *two in said for body in two} - {robot})
-    targets = [_target(then, robot, body, places, said) for body in bodies]
-    looks, arcs = in_common(then.headings[robot], compasses(then.frame, robot)), list[Arc]()
+    targets = [target for body in bodies for target in _targets(then, robot, body, places, said)]
+    looks, arcs = _looks(then, robot), list[Arc]()
     waiting: list[Pose | None] = [(places[robot], once_around(looks))]
     for piece in line["pieces"]:
         pose = waiting.pop()
@@ -125,20 +127,50 @@ def _places(line: Record) -> dict[int, Polygon]:
     return found
 
 
-def _target(then: Instant, robot: int, body: int, places: Mapping[int, Polygon], said: Said) -> Target:
-    """Return a body as a target of a robot; bearings come before ranges, and the robot's own before its mate's."""
-    robots = then.log.robots
-    mark = then.log.landmarks[body - robots] if body >= robots else None
-    both = ((robot, body), (body, robot))[: 1 if mark else 2]
-    readings: list[Bearing | Range] = []
-    for who, whom in both:
-        for value, bound in sorted((one["bearing"], one["bound"] + WIDENING) for one in said.get(("bearing", who, whom), ())):
-            heading = None if who == robot else in_common(then.headings[who], compasses(then.frame, who))
-            readings.append(Bearing(value, bound, heading.widened(value, bound).opposite if heading else None))
-    found = (between(one) for who, whom in both for one in said.get(("range", who, whom), ()))
-    ranges = [Range(least * (1 - WIDENING), greatest * (1 + WIDENING)) for least, greatest in found]
-    nearest = max((one.least for one in ranges), default=Fraction(0))
-    return Target(places[body] if mark is None else Polygon.point(mark), [*readings, *ranges], nearest)
+def _targets(then: Instant, robot: int, body: int, places: Mapping[int, Polygon], said: Said) -> list[Target]:
+    """Return a body as targets of a robot, one for each two places that something was measured between.
+
+    Bearings come before ranges, and the robot's own before its mate's.
+    """
+    found: dict[Spots, tuple[Two, list[Bearing | Range]]] = {}
+    for kind, who, whom in (("bearing", robot, body), ("bearing", body, robot), ("range", robot, body), ("range", body, robot)):
+        for one in sorted(said.get((kind, who, whom), ()), key=lambda one: _as_measured(kind, one)):
+            mounts = (one.own, one.other) if who == robot else (one.other, one.own)
+            spots = (mounts[0].spot, mounts[1].spot) if robot < body else (mounts[1].spot, mounts[0].spot)
+            found.setdefault(spots, (mounts, []))[1].append(_said_of(then, one, who if who != robot else None, kind))
+    return [_target(then, (robot, body), places, *found[spots]) for spots in sorted(found)]
+
+
+def _as_measured(kind: str, one: Reading) -> tuple[Fraction, Fraction]:
+    """Return value and bound as the sensor said them, which they are sorted by."""
+    turned = kind == "bearing"
+    return one.value - turned * one.own.angle, one.bound - turned * one.own.angle_off
+
+
+def _said_of(then: Instant, one: Reading, mate: int | None, kind: str) -> Bearing | Range:
+    if kind == "range":
+        least, greatest = between(one)
+        return Range(least * (1 - WIDENING), greatest * (1 + WIDENING))
+    bound = one.bound + WIDENING
+    way = None if mate is None else _looks(then, mate).widened(one.value, bound).opposite
+    return Bearing(one.value, bound, way)
+
+
+def _looks(then: Instant, robot: int) -> Arc:
+    return in_common(then.headings[robot], compasses(then.frame, robot))
+
+
+def _target(
+    then: Instant, who: tuple[int, int], places: Mapping[int, Polygon], mounts: Two, readings: Sequence[Bearing | Range]
+) -> Target:
+    """Return where a target is, as a robot's centre would see it if its sensor saw what it sees."""
+    body, robots = who[1], then.log.robots
+    where = places[body] if body < robots else Polygon.around([then.log.landmarks[body - robots]])
+    if not (mounts[0].is_at_the_centre and mounts[1].is_at_the_centre):
+        looks = {each: _looks(then, each) for each in who if each < robots}
+        where = Polygon.around(around(where.corners, mounts, who, looks))
+    nearest = max((one.least for one in readings if isinstance(one, Range)), default=Fraction(0))
+    return Target(where, readings, nearest)
 
 
 def _split(pose: Pose | None, x: Fraction, y: Fraction, offset: Fraction) -> list[Pose | None]:

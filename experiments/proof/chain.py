@@ -40,6 +40,7 @@ class Chain:
         self.shown: Edges = {}
         self._log = log
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
+        self._placed = [0] * log.robots  # at which frame each robot was put somewhere: nothing from before counts
         self._history: list[list[Displaced]] = []  # by frames, as are the next two
         self._proved: list[Edges] = []
         self._instants: list[Instant] = []
@@ -98,7 +99,11 @@ class Chain:
         if proved is None:
             self._case_by_case(line)
         elif "side" in line:
-            self.sides.add(line, proved)
+            then = self._instants[-1].frame
+            looks = (
+                [in_common(arc, compasses(then, robot)) for robot, arc in enumerate(self._looks)] if "sensors" in line else ()
+            )
+            self.sides.add(line, proved, looks)
         else:
             self._claim(line)
 
@@ -111,11 +116,14 @@ class Chain:
 
     def _begin(self) -> Frame:
         log, number = self._log, len(self._history)
-        frame, before = log.frames[number], self.headings if number else log.initial
+        frame = log.frames[number]
+        before = self.headings if number else [start.heading for start in log.starts]
         driven = list(zip(frame.pieces, before, strict=True))
         self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
         self._proved.append({})
-        looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks)
+        looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks, log.mounts)
+        for robot, start in frame.placed.items():
+            looks[robot], self._placed[robot] = start.heading, number
         self._instants.append(Instant(log, frame, looks, sides, self.edges))
         self._seen, self._looks = set(), list(self.headings)
         return frame
@@ -151,7 +159,7 @@ class Chain:
         return motions[body].support(normal) if motions else Fraction(0)
 
     def _check_boxes(self, line: Record) -> None:
-        """Check the box of every robot that a line names: moved with the robot, cut by the last step's edges and the arena."""
+        """Check the box of every robot that a line names: moved with it, or where it was put, cut by edges and the arena."""
         for text in line["upper"]:
             if (key := str((text, line["lower"][text], line["upper"][text]))) in self._seen:
                 continue
@@ -160,7 +168,9 @@ class Chain:
             self._seen.add(key)
             for side, k, direction in SIDES:
                 sign, normal = (1 if side == "upper" else -1), plane(direction)
-                needed = self._before(robot, sign, k) + self._support(-1, robot, normal)
+                needed = self._begun(robot, normal)
+                if needed is None:
+                    needed = self._proved[-2][WORLD, robot][normal] + self._support(-1, robot, normal)
                 limit = self._log.arena[side == "upper"][k]
                 needed = needed if limit is None else min(needed, sign * Fraction(limit))
                 needed = min(needed, self.edges.get((WORLD, robot), {}).get(normal, needed))
@@ -170,11 +180,13 @@ class Chain:
                 _add(self.edges, (WORLD, robot), normal, offset)
             self.links["boxes, from edges, motion and the arena"] += 1
 
-    def _before(self, robot: int, sign: int, k: int) -> Fraction:
-        """Return the greatest coordinate k, of that sign, that a robot had one step earlier."""
-        if len(self._proved) == 1:
-            return max(sign * corner[k] for corner in self._log.vertices[robot])
-        return self._proved[-2][WORLD, robot][plane((0, sign) if k else (sign, 0))]
+    def _begun(self, robot: int, normal: Vector) -> Fraction | None:
+        """Return how far in a direction a robot can be that was put somewhere, at the start or now; None if it was not."""
+        if start := self._instants[-1].frame.placed.get(robot):
+            return start.place.most(normal)
+        if len(self._proved) > 1:
+            return None
+        return self._log.starts[robot].place.most(normal) + self._support(0, robot, normal)
 
     def _check_row(self, row: Record, source: Record) -> None:
         if (key := str((row["i"], row["j"], row["normal"], row["offset"], source))) in self._seen:
@@ -183,13 +195,13 @@ class Chain:
         offset, normal, pair = exact(row["offset"]), unit_normal(row["normal"]), (row["i"], row["j"])
         now, kind, time = len(self._proved) - 1, source["kind"], float(exact(source["t"]))
         link = self._of_edges(pair, normal, offset, self._number(time) if kind in ("region", "cells") else now - 1)
-        if link is None and row["i"] < 0 and not now:
-            start = max(normal[0] * x + normal[1] * y for x, y in self._log.vertices[row["j"]])
-            link = "rows of initial sets" if start + self._support(0, row["j"], normal) <= offset else None
+        if link is None and row["i"] < 0:
+            start = self._begun(row["j"], normal)
+            link = "rows of initial sets" if start is not None and start <= offset else None
         if link is None and kind in ("bearing", "range", "position"):
             taken = self._number(time)
-            then = offset - self._growth((*pair, normal, taken))
-            link = of_measurement(self._instants[taken], pair, source, normal, then)
+            grown = self._growth((*pair, normal, taken))
+            link = None if grown is None else of_measurement(self._instants[taken], pair, source, normal, offset - grown)
         if link is None:
             raise Broken(f"a row on {shown(pair)} follows from nothing known; it says it is of {shown(source)}")
         self.links[link] += 1
@@ -207,18 +219,24 @@ class Chain:
         if edge is not None and edge <= offset:
             return "rows that are edges proved in the same step"
         before = self._proved[taken] if taken >= 0 else {}
-        if pair not in before:
+        grown = self._growth((*pair, normal, taken)) if pair in before else None
+        if grown is None:
             return None
-        then = offset - self._growth((*pair, normal, taken))
+        then = offset - grown
         edge = before[pair].get(normal)
         if edge is not None and edge <= then:
             return "rows that are edges of an earlier step, moved"
         corner = through_corner(all_edges(before, pair), normal, then)
         return "rows through corners of an earlier step, moved" if corner is not None and corner <= then else None
 
-    def _growth(self, row: tuple[int, int, Vector, int]) -> Fraction:
-        """Return how much a row has moved outward since the frame that it was measured or proved at."""
+    def _growth(self, row: tuple[int, int, Vector, int]) -> Fraction | None:
+        """Return how much a row has moved outward since the frame that it was measured or proved at.
+
+        None if one of its robots was put somewhere since: of where it is now the row says nothing.
+        """
         i, j, normal, taken = row
+        if taken < max(self._placed[body] for body in (i, j) if body >= 0):
+            return None
         number, total = self._grown.get(row, (taken, Fraction(0)))
         back = (-normal[0], -normal[1])
         for later in range(number + 1, len(self._history)):

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from fractions import Fraction
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
 from experiments.proof.exact import Vector
 from experiments.proof.reading import Broken, exact
@@ -12,6 +12,7 @@ SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lo
 WORLD = -1
 TRIED = 9  # pairs of edges: where some are almost parallel, floats err
 ALMOST = 1e-9  # a normal that is parallel to an edge, but for so much, may be to either side of it
+Exact = TypeVar("Exact", int, Fraction)
 Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j) or pair i, j: offsets by normals
 
 
@@ -79,6 +80,6 @@ def of_two(edges: dict[Vector, Fraction], a: Vector, b: Vector, normal: Vector) 
     return (weights[0] * edges[a] + weights[1] * edges[b]) / turned if min(weights) >= 0 else None
 
 
-def across(a: Vector, b: Vector) -> Fraction:
+def across(a: tuple[Exact, Exact], b: tuple[Exact, Exact]) -> Exact:
     """Return the cross product of two vectors."""
     return a[0] * b[1] - a[1] * b[0]

@@ -108,8 +108,12 @@ class Arc:
 
     def may_contain(self, normal: Vector) -> bool:
         """Return False only if the normal's direction is not in the arc."""
-        (x, y), (first, last) = normal, self.ends
-        return most((y, -x), first) >= 0 and most((-y, x), last) >= 0 and most(normal, first) + most(normal, last) >= 0
+        (x, y), (first, last), width = normal, self.ends, self.high - self.low
+        if self.narrow:
+            return most((y, -x), first) >= 0 and most((-y, x), last) >= 0 and most(normal, first) + most(normal, last) >= 0
+        if not PI + PI_ROUNDING < width < 2 * (PI - PI_ROUNDING):  # the rest of the circle is less than half of it
+            return True
+        return most((-y, x), last) >= 0 or most((y, -x), first) >= 0
 
     def covers(self, other: "Arc") -> bool:
         """Return whether it contains another on the circle, for sure."""
@@ -195,7 +199,7 @@ def _pieces(narrow: Arc, wide: Arc) -> list[Arc]:
 
 def sector(normal: Vector, arc: Arc, near: Fraction, far: Fraction) -> Fraction:
     """Return a number no smaller than normal . d, for d in a direction of the arc and between near and far away."""
-    if not arc.narrow or arc.may_contain(normal):
+    if arc.may_contain(normal):
         return far * length(normal)
     slope = arc.most(normal)
     return slope * (far if slope > 0 else near)

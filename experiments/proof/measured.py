@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from experiments.proof.arms import beyond
 from experiments.proof.edges import WORLD, Edges
 from experiments.proof.exact import CIRCLE, Arc, Vector, in_common, length
 from experiments.proof.given.frame import Frame, Reading, most_of
@@ -60,11 +61,12 @@ def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal:
     elif (robot, target) != pair:
         return None
     for reading in then.frame.of(source["kind"], robot, target):
+        left = offset - beyond((reading.own, reading.other), (robot, target), then.headings, (x, y))  # of the sensors' places
         if source["kind"] == "bearing":
-            arc = then.headings[robot].widened(reading["bearing"], reading["bound"])
-            if arc.narrow and arc.most((x, y)) <= 0 <= offset:
+            arc = then.headings[robot].widened(reading.value, reading.bound)
+            if arc.narrow and arc.most((x, y)) <= 0 <= left:
                 return BEARING
-        elif link := _of_range(then, (robot, target), reading, (x, y), offset):
+        elif link := _of_range(then, (robot, target), reading, (x, y), left):
             return link
     return None
 
@@ -73,7 +75,7 @@ def _of_range(then: Instant, who: tuple[int, int], reading: Reading, normal: Vec
     least, greatest = between(reading)
     if offset >= greatest * length(normal):
         return FAR
-    sights, proved = _sights(then, *who), then.sides.arc(*who)
+    sights, proved = _sights(then, who, reading), then.sides.arc(*who, (reading.own, reading.other))
     arcs = [(arc, NEAR) for arc in (*sights, in_common(Arc(-CIRCLE, CIRCLE), sights))]
     if proved is not None:
         arcs.append((in_common(proved, sights), NEAR_OF_SIDES))
@@ -85,14 +87,16 @@ def _of_range(then: Instant, who: tuple[int, int], reading: Reading, normal: Vec
 
 def between(reading: Reading) -> tuple[Fraction, Fraction]:
     """Return the least and the greatest distance that a range leaves [m]."""
-    value, bound, share = reading["range"], reading["bound"], reading["relative_bound"]
+    value, bound, share = reading.value, reading.bound, reading.share
     return max(Fraction(0), (value - bound) / (1 + share)), (value + bound) / (1 - share)
 
 
-def _sights(then: Instant, robot: int, target: int) -> list[Arc]:
-    """Return where a target is, as seen from a robot, by each bearing of one to the other."""
-    of, headings = then.frame.of, then.headings
-    found = [headings[robot].widened(one["bearing"], one["bound"]) for one in of("bearing", robot, target)]
+def _sights(then: Instant, who: tuple[int, int], reading: Reading) -> list[Arc]:
+    """Return where a target is, as seen from a robot, by each bearing of one to the other between the places of a reading."""
+    (robot, target), spots = who, (reading.own.spot, reading.other.spot)
+    own = [one for one in then.frame.of("bearing", robot, target) if (one.own.spot, one.other.spot) == spots]
+    found = [then.headings[robot].widened(one.value, one.bound) for one in own]
     if target < then.log.robots:
-        found += [headings[target].widened(one["bearing"], one["bound"]).opposite for one in of("bearing", target, robot)]
+        back = [one for one in then.frame.of("bearing", target, robot) if (one.other.spot, one.own.spot) == spots]
+        found += [then.headings[target].widened(one.value, one.bound).opposite for one in back]
     return found

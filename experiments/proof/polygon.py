@@ -46,9 +46,9 @@ class Polygon:
         return cls(lines, [(left, low), (right, low), (right, high), (left, high)])
 
     @classmethod
-    def point(cls, place: Vector) -> Polygon:
-        """Return a single place, which no line cuts."""
-        return cls([], [place])
+    def around(cls, corners: Sequence[Vector]) -> Polygon:
+        """Return the hull of some corners, which no line cuts."""
+        return cls([], corners)
 
     def along(self, normal: Vector) -> list[float]:
         """Return normal . p of all corners, to a share `DOUBT` of the numbers in it; infinity where floats cannot tell."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from fractions import Fraction
 
-from experiments.proof.edges import SIDES, across, plane, through_corner
+from experiments.proof.edges import SIDES, Exact, across, plane, through_corner
 from experiments.proof.exact import Vector, length
 from experiments.proof.reading import Broken, Record, exact
 
@@ -66,7 +66,7 @@ def outward(hull: list[Vector]) -> list[Vector]:
     return [(b[1] - a[1], a[0] - b[0]) for a, b in zip(hull, [*hull[1:], hull[0]], strict=True) if a != b]
 
 
-def hull_of(points: list[Vector]) -> list[Vector]:
+def hull_of(points: list[tuple[Exact, Exact]]) -> list[tuple[Exact, Exact]]:
     """Return the corners of the convex hull, counter-clockwise (Andrew, 1979).
 
     Raises:
@@ -74,15 +74,19 @@ def hull_of(points: list[Vector]) -> list[Vector]:
     """
     if not points:
         raise Broken("a region without a vertex")
-    halves = []
-    for way in (sorted(set(points)), sorted(set(points), reverse=True)):
-        half: list[Vector] = []
-        for point in way:
-            while len(half) > 1 and turn(half[-2], half[-1], point) <= 0:
-                half.pop()
-            half.append(point)
-        halves.append(half)
-    return [*halves[0][:-1], *halves[1][:-1]] or halves[0]
+    order: list[tuple[Exact, Exact]] = sorted(set(points))
+    found = _half(order)[:-1] + _half(order[::-1])[:-1]
+    return found or order
+
+
+def _half(points: list[tuple[Exact, Exact]]) -> list[tuple[Exact, Exact]]:
+    """Return those of points, in order, that lead round all others on one side."""
+    half: list[tuple[Exact, Exact]] = []
+    for point in points:
+        while len(half) > 1 and turn(half[-2], half[-1], point) <= 0:
+            half.pop()
+        half.append(point)
+    return half
 
 
 def farthest(points: list[Vector], normal: Vector) -> Vector:
@@ -90,7 +94,7 @@ def farthest(points: list[Vector], normal: Vector) -> Vector:
     return max(points, key=lambda point: dot(normal, point))
 
 
-def turn(a: Vector, b: Vector, c: Vector) -> Fraction:
+def turn(a: tuple[Exact, Exact], b: tuple[Exact, Exact], c: tuple[Exact, Exact]) -> Exact:
     """Return twice the area of a triangle, positive where it turns left."""
     return across((b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1]))
 

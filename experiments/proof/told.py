@@ -30,7 +30,7 @@ class Told:
 
     Attributes:
         log: What was given to the filter.
-        poses: For each robot, the time, the estimate and the heading of each frame, as floats and an arc.
+        poses: For each robot, the time, the estimate and the heading of each frame that it is there, as floats and an arc.
     """
 
     log: Log
@@ -41,10 +41,12 @@ class Told:
     _looked: int = 0
     _turned: int = 0
 
-    def add(self, frame: Frame, regions: list[Region], edges: Edges, headings: Sequence[Arc]) -> None:
-        """Take in one step's regions, what is proved of each robot, and their headings."""
+    def add(self, frame: Frame, regions: Sequence[Region | None], edges: Edges, headings: Sequence[Arc]) -> None:
+        """Take in one step's regions, None of those that are away, what is proved of each robot, and their headings."""
         self.poses = self.poses or [[] for _ in regions]
         for robot, (region, heading) in enumerate(zip(regions, headings, strict=True)):
+            if region is None:
+                continue
             x, y = map(float, region.estimate)
             self.poses[robot].append((frame.time, x, y, heading))
             self._areas.append(region.area)
@@ -59,7 +61,7 @@ class Told:
 
     def numbers(self) -> dict[str, Any]:
         """Return what a summary has to say."""
-        frames, rate, checks = len(self.log.frames), self.log.rate, len(self._squares)
+        frames, rate, checks, count = len(self.log.frames), self.log.rate, len(self._squares), len(self._areas)
         return {
             "robots": self.log.robots,
             "duration_s": frames / rate if rate else None,
@@ -69,8 +71,8 @@ class Told:
             "heading_checks": self._looked,
             "heading_escapes": self._turned,
             "measurements": sum(frame.measurements for frame in self.log.frames),
-            "outer_area_mean_m2": float(sum(map(Fraction, self._areas), Fraction(0)) / len(self._areas)),
-            "outer_area_p95_m2": _quantile(self._areas, 0.95),
+            "outer_area_mean_m2": float(sum(map(Fraction, self._areas), Fraction(0)) / count) if count else None,
+            "outer_area_p95_m2": _quantile(self._areas, 0.95) if count else None,
             "point_rmse_m": sqrt(sum(self._squares, Fraction(0)) / checks) if checks else None,
             "inconsistent": None,
         }
@@ -109,7 +111,7 @@ class Told:
         with located(path.name):
             *lines, rest = path.read_bytes().decode().split("\n")
             if rest or len(lines) != len(self.poses[robot]):
-                raise Broken(f"{len(lines)} whole lines, where the log has {len(self.poses[robot])} frames")
+                raise Broken(f"{len(lines)} whole lines, where there are {len(self.poses[robot])} frames with it")
         for place, (line, pose) in enumerate(zip(lines, self.poses[robot], strict=True), 1):
             with located(f"{path.name}, line {place}"):
                 time, x, y, *flat, sine, cosine = (number(float(word)) for word in line.split())

@@ -55,6 +55,7 @@ class Directions(Frozen):
         arcs: (r) the directions of ranges [rad].
         moves: Where robots have gone since the readings; None if these are of one instant.
         arms: From the places of sensors to the centres of robots; None if all readings are taken at centres.
+        before: The same as it was known for the directions of bearings.
     """
 
     readings: Readings
@@ -65,6 +66,7 @@ class Directions(Frozen):
     arcs: AngularIntervals
     moves: Moves | None = None
     arms: Arms | None = None
+    before: Arms | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +220,7 @@ class Merger(Frozen):
         if known is not self.polytope:
             rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), look))
         merged = self.polytope.with_constraints(Constraints.concatenate(rows))
-        return merged, Directions(self.readings, self.sources, known, seen, look.headings, arcs, look.moves, look.arms)
+        return merged, Directions(self.readings, self.sources, known, seen, look.headings, arcs, look.moves, look.arms, arms)
 
     def _spans(
         self, known: Polytope, kind: int, apart: tuple[Moves | None, Arms | None], some: Integers | None = None

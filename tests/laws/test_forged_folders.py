@@ -410,7 +410,7 @@ def a_pose_that_is_tipped_over(lines):
     lines[3] = " ".join([*words[:4], "0.7", *words[5:]])
 
 
-@forged("7 whole lines, where the log has 8 frames", TUM)
+@forged("7 whole lines, where there are 8 frames with it", TUM)
 def a_pose_less(lines):
     lines.pop()
 

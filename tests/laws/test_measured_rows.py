@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from experiments.proof.edges import plane
 from experiments.proof.exact import Arc
-from experiments.proof.given.frame import Frame
+from experiments.proof.given.frame import Frame, Reading
 from experiments.proof.measured import BEARING, DIRECTION, FAR, NEAR, NEAR_OF_SIDES, Instant, of_measurement
 from experiments.proof.sides import Sides
 
@@ -23,7 +23,8 @@ def instant(rng, kinds, sides):
     heading, bound = rng.uniform(-np.pi, np.pi), rng.choice([0.01, 0.3, 1.4])
     bearing = {"bearing": rng.uniform(-np.pi, np.pi), "bound": rng.choice([0.0, 0.05, 0.6])}
     given = {"range": rng.uniform(0, 4), "bound": rng.choice([0.0, 0.1]), "relative_bound": rng.choice([0.0, 0.05])}
-    readings = {(kind, 0, 1): [{"bearing": bearing, "range": given}[kind]] for kind in kinds}
+    of_bearing, of_range = (Reading(*map(Fraction, map(float, each.values()))) for each in (bearing, given))
+    readings = {(kind, 0, 1): [{"bearing": of_bearing, "range": of_range}[kind]] for kind in kinds}
     middle, reach = heading + bearing["bearing"], bound + bearing["bound"]
     known, low, high = Sides(2, []), middle - reach, middle + reach
     if "bearing" not in kinds:

@@ -166,14 +166,14 @@ def landmarks_exchanged(log):
     log[0]["landmarks"] = dict(zip(log[0]["landmarks"], reversed(log[0]["landmarks"].values()), strict=True))
 
 
-@forged("a robot that joins or leaves")
+@forged("nothing for the log's frame")
 def a_robot_that_leaves(log):
     log.append({"record": "leave", "time": LATE, "robot": "bob"})
 
 
-@forged("a robot that joins or leaves")
+@forged("nothing for the log's frame")
 def a_robot_that_comes_back(log):
-    log.append({"record": "initial", "time": LATE, "robot": "bob", "vertices": None, "heading": None})
+    log.append({"record": "initial", "time": LATE, "robot": "bob", "vertices": [[0, 0], [1, 0]], "heading": None})
 
 
 @forged("are done")

@@ -5,13 +5,32 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from experiments.proof.edges import SIDES, plane, through_corner
-from experiments.proof.exact import Vector, length
+from experiments.proof.exact import Arc, Vector, length
+from experiments.proof.given.sensors import CENTRE, Mount
 from experiments.proof.motion import Piece
 
-Reading = dict[str, Fraction]
 Who = tuple[str, int, int | None]  # kind, robot, target
 Pose = tuple[Vector | None, Fraction | None]  # a true place and a true heading, None for what nobody knows
 BOX = [plane(direction) for _, _, direction in SIDES]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One compass reading, bearing or range.
+
+    Attributes:
+        value: [rad] or [m]; an angle is from the robot's forward axis, wherever the sensor looks.
+        bound: Likewise.
+        share: A further error of a range, as a share of it.
+        own: How the sensor that measures is mounted.
+        other: How the one that is measured is.
+    """
+
+    value: Fraction
+    bound: Fraction
+    share: Fraction = Fraction(0)
+    own: Mount = CENTRE
+    other: Mount = CENTRE
 
 
 @dataclass(frozen=True)
@@ -38,6 +57,19 @@ class Behind:
 Place = Within | Behind
 
 
+@dataclass(frozen=True)
+class Start:
+    """What is known of a robot from some time on, whatever was known before.
+
+    Attributes:
+        place: Where it is.
+        heading: Which way it looks.
+    """
+
+    place: Within
+    heading: Arc
+
+
 def most_of(place: Place, normal: Vector, edges: dict[Vector, Fraction]) -> Fraction | None:
     """Return a number no smaller than normal . p of a robot in a place; None if nothing says one.
 
@@ -58,10 +90,12 @@ class Frame:
 
     Attributes:
         time: [s].
-        readings: Of each kind, robot and target (None for a compass): the numbers of every reading.
+        readings: Of each kind, robot and target (None for a compass): every reading.
         places: Of each robot, where it is, by each position that was measured.
         truth: Of robots, where they were and which way they looked.
         measurements: How many were taken; a position of one robot is one, however many sides it has.
+        changes: Robots that were put somewhere, or None for one that has left, in this order, after the motion.
+        away: Robots that are not there, then.
         pieces: Of each robot, how it moved since the frame before, one after the other; nothing if no time has passed.
     """
 
@@ -70,9 +104,15 @@ class Frame:
     places: dict[int, list[Place]] = field(default_factory=dict)
     truth: dict[int, Pose] = field(default_factory=dict)
     measurements: int = 0
+    changes: list[tuple[int, Start | None]] = field(default_factory=list)
+    away: frozenset[int] = frozenset()
     pieces: list[list[Piece]] = field(default_factory=list)
 
+    @property
+    def placed(self) -> dict[int, Start]:
+        """Where robots were put, at last."""
+        return {robot: start for robot, start in self.changes if start}
+
     def of(self, kind: str, robot: int, target: int | None = None) -> list[Reading]:
-        """Return all that one robot measured of a target, in numbers."""
-        found = self.readings.get((kind, robot, target), ())
-        return [{name: Fraction(value) for name, value in one.items()} for one in found]
+        """Return all that one robot measured of a target."""
+        return self.readings.get((kind, robot, target), [])

@@ -4,11 +4,14 @@ import re
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from fractions import Fraction
-from itertools import product
+from itertools import chain, product
+from math import inf
 from typing import Any
 
-from experiments.proof.exact import Arc, Vector, arc_around
+from experiments.proof.exact import Vector, arc_around
 from experiments.proof.given.driven import Limits
+from experiments.proof.given.frame import Start, Within
+from experiments.proof.given.sensors import Mounts
 from experiments.proof.reading import Broken, Record, body, located, number, shown
 
 FIRST, SECOND = 1, 2  # versions of the format
@@ -26,28 +29,34 @@ class Head:
         names: Of the robots, in their order.
         marks: Names of the landmarks, in their order.
         landmarks: Where they are [m].
+        mounts: The sensors that are mounted somewhere.
         arena: Lower and upper corner, None for a coordinate without a limit [m].
         limits: Of each robot.
         start: When the initial sets hold [s].
         rate: Frames a second [Hz], or None.
-        vertices: For each robot the corners of its initial set [m].
-        initial: For each robot its heading at the start.
+        starts: What is known of each robot at the start; of one that is not there yet, a place that means nothing.
+        away: Robots that are not there yet.
+        rest: The lines that follow.
     """
 
     def __init__(self, lines: Iterator[tuple[str, Record]]) -> None:
         place, header = next(lines, ("log.jsonl", {}))
         with located(place):
             self._read_header(header)
-        known: dict[int, tuple[list[Vector], Arc]] = {}
-        for _ in range(self.robots):
+        known: dict[int, Start] = {}
+        self.rest = lines
+        while len(known) < self.robots:
             place, record = next(lines, ("log.jsonl", {}))
+            if self.version > FIRST and (record.get("record") != "initial" or "time" in record):
+                self.rest = chain([(place, record)] if record else [], lines)
+                break
             with located(place):
-                robot, what = self._initial(record)
+                robot, start = self.placed(record)
                 if robot in known:
                     raise Broken(f"a second initial set of robot {robot}")
-                known[robot] = what
-        self.vertices = [known[robot][0] for robot in range(self.robots)]
-        self.initial = [known[robot][1] for robot in range(self.robots)]
+                known[robot] = start
+        self.away = frozenset(range(self.robots)) - known.keys()
+        self.starts = [known.get(robot, self._nowhere) for robot in range(self.robots)]
 
     def robot(self, value: Any) -> int:
         """Return the number of a robot; a name will do, from version 2 on."""
@@ -69,7 +78,7 @@ class Head:
         if form != "corral-log" or type(version) is not int or version not in (FIRST, SECOND):
             raise Broken(f"a log of version 1 or 2 was expected, not {shown(form)}, version {shown(version)}")
         self.version: int = version
-        later = {"rate", *ACCELERATIONS} if self.version > FIRST else set()
+        later = {"rate", "sensors", *ACCELERATIONS} if self.version > FIRST else set()
         fields = fields_of(header, "header", HEADER | ({"rate"} - later), later)
         robots, marks = fields["robots"], fields["landmarks"]
         named = isinstance(robots, list) and self.version > FIRST
@@ -77,6 +86,7 @@ class Head:
         self.robots = len(self.names)
         named = isinstance(marks, dict) and self.version > FIRST
         self.marks = _names(marks) if named else [f"l{k}" for k in range(len(marks))]
+        self.mounts = Mounts(fields.get("sensors", {}))
         self.landmarks = [point(place) for place in (marks.values() if named else marks)]
         if len({*self.names, *self.marks}) < len(self.names) + len(self.marks):
             raise Broken("names of robots and landmarks, no two alike, were expected")
@@ -97,15 +107,25 @@ class Head:
             each = [limit[robot] for robot in self.names] if named else [limit] * self.robots
             yield [None if value is None and may else Fraction(number(value, 0)) for value in each]
 
-    def _initial(self, record: Record) -> tuple[int, tuple[list[Vector], Arc]]:
-        fields = fields_of(record, "initial", {"robot", "vertices", "heading"})
+    def placed(self, record: Record, *more: str) -> tuple[int, Start]:
+        """Return which robot a record puts somewhere, and where; it may have to have some more fields."""
+        fields = fields_of(record, "initial", {"robot", "vertices", "heading", *more})
         corners, heading = fields["vertices"], fields["heading"] or {"centre": 0.0, "bound": 4.0}
         if corners is None:
             corners = list(product(*zip(*self.arena, strict=True)))
         if not corners:
             raise Broken("an initial set without a point")
         arc = arc_around(number(heading["centre"]), number(heading["bound"], 0))
-        return self.robot(fields["robot"]), ([point(corner) for corner in corners], arc)
+        return self.robot(fields["robot"]), Start(Within([point(corner) for corner in corners]), arc)
+
+    @property
+    def _nowhere(self) -> Start:
+        """Where the filter keeps a robot that is not there yet: in a place of its arena, where nothing rests on it."""
+        least, greatest = (
+            [limit if value is None else value for value in ends] for ends, limit in zip(self.arena, (-inf, inf), strict=True)
+        )
+        x, y = (min(max(0.0, low), high) for low, high in zip(least, greatest, strict=True))
+        return Start(Within([point((x, y))]), arc_around(0.0, 4.0))
 
 
 def fields_of(record: Record, kind: str, names: AbstractSet[str], may: AbstractSet[str] = frozenset()) -> Record:

@@ -6,14 +6,16 @@ at which something was measured, is known as the truth or is asked for, as soon 
 """
 
 from collections.abc import Iterator
+from fractions import Fraction
 from heapq import heappop, heappush
 from math import inf
 from pathlib import Path
 
 from experiments.proof.given.driven import Driven
 from experiments.proof.given.frame import Frame
-from experiments.proof.given.head import FIRST, Head
+from experiments.proof.given.head import FIRST, Head, fields_of
 from experiments.proof.given.records import LATER, MEASURED, parts_of, places_of, readings_of, truth_of
+from experiments.proof.motion import Piece
 from experiments.proof.reading import Broken, Record, located, number, records, shown
 
 LATE = 1.0  # so late a record may be, in a stream [s]
@@ -29,23 +31,27 @@ class Log(Head):
     def __init__(self, folder: Path) -> None:
         lines = records(folder / "log.jsonl", loose=True)
         super().__init__(lines)
-        self.frames = list(_Frames(self).of(lines))
+        self.frames = list(_Frames(self).of(self.rest))
         if not self.frames:
             raise Broken("log.jsonl: at least one frame was expected")
+
+    def is_there(self, robot: int) -> bool:
+        """Return whether a robot is there at some frame."""
+        return any(robot not in frame.away for frame in self.frames)
 
 
 class _Frames:
     """Makes frames of records.
 
     `_done` is when the last frame was, or the start; `_begun` whether there was one; `_now` in lock-step when the records were
-    that wait for their frame.
+    that wait for their frame; `_away` who was not there at the last frame.
     """
 
     def __init__(self, head: Head) -> None:
         self._head, self._driven = head, [Driven(limits) for limits in head.limits]
         self._waiting, self._times = dict[float, Frame](), list[float]()
         self._done, self._begun, self._newest = head.start, False, -inf
-        self._in_step = True
+        self._in_step, self._away = True, head.away
         self._now: float | None = None
 
     def of(self, lines: Iterator[tuple[str, Record]]) -> Iterator[Frame]:
@@ -112,8 +118,10 @@ class _Frames:
             for robot, place in found:
                 frame.places.setdefault(robot, []).append(place)
             frame.measurements += len({robot for robot, _ in found})
-        elif kind in ("initial", "leave"):
-            raise Broken("a robot that joins or leaves, which is not followed as yet")
+        elif kind == "initial" and self._is_known(kind):
+            frame.changes.append(self._head.placed(record, "time"))
+        elif kind == "leave" and self._is_known(kind):
+            frame.changes.append((self._head.robot(fields_of(record, kind, {"time", "robot"})["robot"]), None))
         elif kind != "frame" or set(record) != {"record", "time"}:
             raise Broken(f"a record {shown(kind)} that there is not, or not with {shown(sorted(record))}")
 
@@ -121,8 +129,25 @@ class _Frames:
         """Yield the frames that are older, each with the motion since the one before."""
         while self._times and self._times[0] < old:
             frame = self._waiting.pop(heappop(self._times))
-            frame.pieces = [driven.pieces(self._done, frame.time) for driven in self._driven]
+            frame.pieces = [self._pieces(robot, frame.time) for robot in range(self._head.robots)]
             for driven in self._driven:
                 driven.forget(frame.time)
             self._done, self._begun, self._now = frame.time, True, None
+            self._let_go(frame)
             yield frame
+
+    def _pieces(self, robot: int, time: float) -> list[Piece]:
+        """Return how a robot has moved since the last frame; odometry of one that was away says nothing."""
+        if robot not in self._away:
+            return self._driven[robot].pieces(self._done, time)
+        spent = Fraction(time) - Fraction(self._done)
+        return [self._head.limits[robot].unknown(spent)] if spent else []
+
+    def _let_go(self, frame: Frame) -> None:
+        """Note who comes and who leaves; raise `Broken` if something was measured by a robot that is away, or of it."""
+        for robot, start in frame.changes:
+            self._away = self._away - {robot} if start else self._away | {robot}
+        frame.away = self._away
+        named = {body for _, *two in frame.readings for body in two} | frame.places.keys()
+        if gone := self._away & named:
+            raise Broken(f"log.jsonl: something is measured at t = {frame.time} s by or of robot {min(gone)}, which is away")

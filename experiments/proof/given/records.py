@@ -8,6 +8,7 @@ from experiments.proof.exact import Vector
 from experiments.proof.given.driven import Part
 from experiments.proof.given.frame import Behind, Place, Pose, Reading, Who, Within
 from experiments.proof.given.head import FIRST, Head, fields_of, point
+from experiments.proof.given.sensors import CENTRE, Mount
 from experiments.proof.motion import Piece
 from experiments.proof.reading import Broken, Record, number
 
@@ -24,16 +25,17 @@ COLUMNS = {
     "range": ("range", "bound", "relative_bound"),
 }
 MEASURED = ("compass", "bearing", "range")
+TURNED = {"compass": -1, "bearing": 1, "range": 0}  # how the angle of a sensor counts
 POSITIVE = {"distance_bound", "turn_bound", "speed_bound", "turn_rate_bound", "direction_bound", "slip_bound", "slip_rate"}
 POSITIVE |= {"bound", "relative_bound", "range", HOLD}
-LATER = ("twist", "position")  # kinds of records that version 1 does not have
+LATER = ("twist", "position", "initial", "leave")  # kinds of records that version 1 does not have
 Numbers = dict[str, Fraction]
 
 
 def parts_of(head: Head, kind: str, record: Record) -> Iterator[tuple[int, Part]]:
     """Yield each robot's odometry, or its twist, which is as odometry for as long as it holds."""
     other = {"time", "robot", *(("start",) if kind == "odometry" else ())}
-    for robot, _, told in _rows(head, kind, record, other, {ASIDE} if head.version > FIRST else set()):
+    for robot, _, _, told in _rows(head, kind, record, other, {ASIDE} if head.version > FIRST else set()):
         values, time = {ASIDE: Fraction(0), **told}, number(record["time"])
         if kind == "odometry":
             yield robot, Part(number(record["start"]), time, Piece(*[values[name] for name in (*DRIVEN, ASIDE)]), steady=False)
@@ -45,28 +47,38 @@ def parts_of(head: Head, kind: str, record: Record) -> Iterator[tuple[int, Part]
 
 
 def readings_of(head: Head, kind: str, record: Record) -> Iterator[tuple[Who, Reading]]:
-    """Yield who measured of whom, and the numbers.
+    """Yield who measured of whom, and what.
 
-    Where a bound is a pair, low and high, the error lies between these: the value then is the middle of what is true.
+    Where a bound is a pair, low and high, the error lies between these: the value then is the middle of what is true. What a
+    sensor says that does not look forward is turned, and less sure by what its angle can be off.
     """
     may = {"target", "landmark"} if kind != "compass" else set()
-    for robot, target, values in _rows(head, kind, record, {"time", "robot"}, may):
-        if values.get("relative_bound", 0) >= 1:
+    if head.version > FIRST:
+        may |= {"sensor", "target_sensor"} if kind != "compass" else {"sensor"}
+    for robot, target, (own, other), values in _rows(head, kind, record, {"time", "robot"}, may):
+        share, sign = values.get("relative_bound", Fraction(0)), TURNED[kind]
+        if share >= 1:
             raise Broken("a relative bound of 1 or more")
-        yield (kind, robot, target), values
+        value, bound = values[COLUMNS[kind][0]] + sign * own.angle, values["bound"] + abs(sign) * own.angle_off
+        yield (kind, robot, target), Reading(value, bound, share, own, other)
 
 
-def _rows(head: Head, kind: str, record: Record, other: set[str], may: set[str]) -> Iterator[tuple[int, int | None, Numbers]]:
-    """Yield robot, target and numbers of each row of a record."""
+def _rows(
+    head: Head, kind: str, record: Record, other: set[str], may: set[str]
+) -> Iterator[tuple[int, int | None, tuple[Mount, Mount], Numbers]]:
+    """Yield robot, target, how the sensors are mounted, and numbers of each row of a record."""
     fields_of(record, kind, {*COLUMNS[kind], *other}, may)
     names = [*COLUMNS[kind], *({ASIDE} & set(record))]
-    who = [record["robot"], record.get("target"), record.get("landmark")]
+    who = [record["robot"], *(record.get(name) for name in ("target", "landmark", "sensor", "target_sensor"))]
     values = [record[name] for name in names]
     if head.version > FIRST and kind in MEASURED and not any(isinstance(value, list) for value in _all_but_bound(record)):
         values = [[value] if name == "bound" else value for name, value in zip(names, values, strict=True)]
-    for robot, mate, mark, *row in _columns([*who, *values], alike=head.version > FIRST):
+    for robot, mate, mark, own, tag, *row in _columns([*who, *values], alike=head.version > FIRST):
         target = head.target(mate, mark) if kind in ("bearing", "range") else None
-        yield head.robot(robot), target, _numbers(kind, dict(zip(names, row, strict=True)), head.version > FIRST)
+        if tag is not None and mate is None:
+            raise Broken("a target_sensor on a robot was expected: landmarks are where they are")
+        mounts = head.mounts.of(own), CENTRE if tag is None else head.mounts.of(tag)
+        yield head.robot(robot), target, mounts, _numbers(kind, dict(zip(names, row, strict=True)), head.version > FIRST)
 
 
 def _all_but_bound(record: Record) -> Iterator[Any]:

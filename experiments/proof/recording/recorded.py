@@ -1,9 +1,10 @@
 """What a recording shows of regions, held against the regions that are proved. Standard library only."""
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import accumulate
+from math import isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,7 @@ NANOSECOND, MEAN = 1.0001e-9, 1e-12
 
 
 def check_recording(
-    path: Path, robots: Sequence[str], frames: Sequence[Frame], regions: Sequence[Sequence[Region]]
+    path: Path, robots: Sequence[str], frames: Sequence[Frame], regions: Sequence[Sequence[Region | None]]
 ) -> tuple[int, int]:
     """Return how many regions are recorded as they are proved, and how many entities are of no region.
 
@@ -38,7 +39,7 @@ def check_recording(
         path: The recording.
         robots: What they are called.
         frames: All frames of the log.
-        regions: Of each frame and robot.
+        regions: Of each frame and robot; None of one that is away, of which nothing is shown.
 
     Raises:
         Broken: It cannot be read, or shows something else, or nothing, of a region.
@@ -53,14 +54,17 @@ def check_recording(
         plots = [*PLOTTED] if together else names
         shown = {layer: [_rows(every, layer + name, frames) for name in names] for layer in LAYERS}
         fans = [_rows(every, FILL + name, frames, TRIANGLES) for name in names]
-        areas = [_rows(every, AREA + name, frames) for name in plots]
+        nobody = [number for number, of_frame in enumerate(regions) if together and not any(of_frame)]
+        areas = [_rows(every, AREA + name, frames, without=nobody) for name in plots]
         for number, of_frame in enumerate(regions):
-            for place, group in enumerate([of_frame] if together else [[one] for one in of_frame]):
+            for place, some in enumerate([of_frame] if together else [[one] for one in of_frame]):
+                group = [one for one in some if one]
                 _check_layers({layer: rows[place][number] for layer, rows in shown.items()}, number, group)
                 if [list(corners) for corners in fans[place][number]] != _fans([len(one.vertices) for one in group]):
                     raise Broken(f"{FILL} fills another polygon than the one that is proved, in frame {number}")
-            _check_areas([rows[number][0] for rows in areas], [region.area for region in of_frame], together)
-    return len(frames) * len(robots), len(every) - len(LAYERS) * len(names) - len(plots)
+            if number not in nobody:
+                _check_areas([rows[number][0] for rows in areas], of_frame, together)
+    return sum(one is not None for of_frame in regions for one in of_frame), len(every) - len(LAYERS) * len(names) - len(plots)
 
 
 def _check_kinds(name: str, rows: Sequence[Recorded]) -> None:
@@ -71,21 +75,23 @@ def _check_kinds(name: str, rows: Sequence[Recorded]) -> None:
         raise Broken(f"{name} has columns {sorted(columns)}, where those of {sorted(allowed)} were expected")
 
 
-def _rows(every: dict[str, list[Recorded]], name: str, frames: Sequence[Frame], what: str = "") -> list[Any]:
-    """Return what an entity shows at each frame, by its layer's component or another one.
+def _rows(
+    every: dict[str, list[Recorded]], name: str, frames: Sequence[Frame], what: str = "", without: Collection[int] = ()
+) -> dict[int, Any]:
+    """Return what an entity shows at each frame but some, by its layer's component or another one.
 
     Raises:
         Broken: It shows something, or nothing, at another time.
     """
     what = what or COMPONENTS[name[: name.rindex("/") + 1]]
     rows = [row for row in every.get(name, []) if row.values.get(what) is not None]
-    same = len(rows) == len(frames) and all(
-        row.step == number and abs(row.time - frame.time) <= NANOSECOND
-        for number, (row, frame) in enumerate(zip(rows, frames, strict=True))
+    asked = [(number, frame.time) for number, frame in enumerate(frames) if number not in without]
+    same = len(rows) == len(asked) and all(
+        row.step == number and abs(row.time - time) <= NANOSECOND for row, (number, time) in zip(rows, asked, strict=True)
     )
     if not same:
-        raise Broken(f"{name} has {len(rows)} rows, where the log has {len(frames)} frames, or they are of other times")
-    return [row.values[what] for row in rows]
+        raise Broken(f"{name} has {len(rows)} rows, where the log has {len(asked)} frames, or they are of other times")
+    return {number: row.values[what] for row, (number, _) in zip(rows, asked, strict=True)}
 
 
 def _check_layers(shown: dict[str, Any], number: int, regions: Sequence[Region]) -> None:
@@ -96,7 +102,7 @@ def _check_layers(shown: dict[str, Any], number: int, regions: Sequence[Region])
     }
     for layer, points in right.items():
         heights = set[float]()
-        if _flat(shown[layer], heights) != points or len(heights) != 1:
+        if _flat(shown[layer], heights) != points or len(heights) != min(1, len(regions)):
             raise Broken(f"{layer} shows another polygon than the one that is proved, in frame {number}")
 
 
@@ -123,9 +129,11 @@ def _drawn(point: Sequence[float | Fraction]) -> list[float]:
     return list(struct.unpack("<2f", struct.pack("<2f", *map(float, point))))
 
 
-def _check_areas(shown: Sequence[float], areas: Sequence[float], together: bool) -> None:
-    """Check a number for each robot, or mean, least and greatest."""
-    right = [sum(areas) / len(areas), min(areas), max(areas)] if together else areas
-    off = MEAN * right[0] if together else 0.0  # means are summed in any order
-    if abs(shown[0] - right[0]) > off or list(shown[1:]) != list(right[1:]):
-        raise Broken(f"areas of {list(shown)} m2 are shown, where {list(right)} m2 are proved")
+def _check_areas(shown: Sequence[float], regions: Sequence[Region | None], together: bool) -> None:
+    """Check a number for each robot, none of one that is away, or mean, least and greatest."""
+    areas = [one.area for one in regions if one]
+    right = [sum(areas) / len(areas), min(areas), max(areas)] if together else [one.area if one else nan for one in regions]
+    off = [MEAN * right[0], 0.0, 0.0] if together else [0.0] * len(right)  # means are summed in any order
+    for one, other, by in zip(shown, right, off, strict=True):
+        if not (abs(one - other) <= by or (isnan(one) and isnan(other))):
+            raise Broken(f"areas of {list(shown)} m2 are shown, where {right} m2 are proved")

@@ -1,7 +1,8 @@
 """Logs of version 2, line by line: a team that drives in arcs, and says in every form of a record what it measures of that."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +18,7 @@ class Team:
     """Robots that each drive at a speed and a turn rate of their own, one of them sideways."""
 
     rng: np.random.Generator
+    carried: dict[int, tuple[float, NDArray[np.float64]]] = field(default_factory=dict)  # from when on, and by how much
 
     def __post_init__(self) -> None:
         self.first = self.rng.uniform(-2, 2, (3, 2))
@@ -29,7 +31,16 @@ class Team:
         turn = self.rates[robot] * time
         way = self.headings[robot] + turn / 2 + self.asides[robot]
         chord = self.speeds[robot] * time * np.sinc(turn / 2 / np.pi)
-        return self.first[robot] + chord * np.array([np.cos(way), np.sin(way)]), self.headings[robot] + turn
+        since, by = self.carried.get(robot, (np.inf, np.zeros(2)))
+        place = self.first[robot] + chord * np.array([np.cos(way), np.sin(way)]) + by * (time >= since)
+        return place, self.headings[robot] + turn
+
+    def placed(self, robot: int, time: float, *, known: bool) -> Line:
+        """Return where a robot is put down at some time, its heading known or not."""
+        place, heading = self.at(robot, time)
+        corners = place + 0.5 * np.array([[-1, -0.6], [1, -0.6], [0.2, 1.1]]) + 0.1 * np.array([self.error(), self.error()])
+        looks = {"centre": heading + 0.1 * self.error(), "bound": 0.11} if known else None
+        return {"record": "initial", "time": time, "robot": NAMES[robot], "vertices": corners.tolist(), "heading": looks}
 
     def header(self, **more: object) -> Line:
         """Return a header with limits of each robot; not all of these are there."""
@@ -146,6 +157,39 @@ def as_it_comes(team: Team, late: float = 0.4) -> list[Line]:
     lines.append({"record": "frame", "time": LENGTH / 2})
     due = [rng.uniform(0, late) + line["time"] for line in lines]
     return [team.header(), *team.initial(), *(lines[k] for k in np.argsort(due, kind="stable"))]
+
+
+PUT, LEFT, BACK, JOINED = 0.5, 0.1, 0.4, 0.3  # when alice is put elsewhere, bob leaves and is back, and 3rd joins [s]
+NOWHERE = {"bob": (LEFT, BACK), "3rd": (-1.0, JOINED)}  # from when on, and until when, nobody knows
+
+
+def coming_and_going(team: Team, make: Callable[[Team], list[Line]]) -> list[Line]:
+    """Return a log in which one robot is put elsewhere, one leaves and is back elsewhere, and one joins late."""
+    team.carried = {0: (PUT, np.array([1.5, -0.7])), 1: (BACK, np.array([-0.9, 2.0]))}
+    lines = [line for line in make(team) if not (line["record"] == "initial" and line["robot"] == "3rd")]
+    lines = [line for line in lines if not _is_of_nobody(line)]
+    changes = [
+        team.placed(0, PUT, known=False),
+        {"record": "leave", "time": LEFT, "robot": "bob"},
+        team.placed(1, BACK, known=True),
+        team.placed(2, JOINED, known=True),
+    ]
+    for change in changes:  # before whatever is measured then, or later
+        at = next(k for k, line in enumerate(lines) if k > 2 and _time(line) >= _time(change))
+        lines.insert(at, change)
+    return lines
+
+
+def _time(line: Line) -> float:
+    return float(str(line.get("time", -np.inf)))
+
+
+def _is_of_nobody(line: Line) -> bool:
+    """Return whether something is measured by or of a robot that is away."""
+    if line["record"] not in ("compass", "bearing", "range", "position"):
+        return False
+    gone = [name for name, (since, until) in NOWHERE.items() if since <= _time(line) < until]
+    return line["robot"] in gone or line.get("target") in gone
 
 
 def written(path, lines: list[Line]):

@@ -276,7 +276,7 @@ def test_measurements_that_disagree_end_with_exit_code_1_and_whole_files(simulat
     assert main(["--replay", str(log), "--out", str(out)]) == 1
     summary = summary_in(out)
     assert summary["checks"] == 30
-    assert "range of robot" in summary["inconsistent"]
+    assert "range of r" in summary["inconsistent"]
     assert "the filter stopped" in capsys.readouterr().err
     assert rerun("verify", out / "moving_team.rrd").returncode == 0
     assert [frame.time for frame in LogReader(out / "log.jsonl").frames()][-1] == 1.0

@@ -8,6 +8,7 @@ import pytest
 from helpers.sensing.clocked import ClockedWorld
 from helpers.sensing.mounted import turned
 
+from experiments.follow import main
 from experiments.logs import Header, InitialSet, LogReader, LogWriter
 from filter import (
     AngularIntervals,
@@ -190,6 +191,14 @@ def test_a_log_says_how_far_a_clock_is_off(tmp_path):
         pass
     assert (tmp_path / "log.jsonl").read_text().count("time_bound") == 1
     assert [sensor.time_bound for sensor in LogReader(tmp_path / "log.jsonl").header.team.sensors] == [1 / 3, 0.0]
+
+
+@pytest.mark.parametrize("sensor", [Sensor("gps", [0.5, 0.0]), Sensor("gps", time_bound=0.1)])
+def test_antennas_and_clocks_that_are_off_are_not_proved_as_yet(tmp_path, sensor, capsys):
+    with LogWriter(tmp_path / "log.jsonl", Header(Team(1, arena=ARENA, sensors=[sensor]), 0.0), [InitialSet()]) as log:
+        log.append(Position.fix(0.0, 0, [0, 0], 0.1, 0))
+    assert main([str(tmp_path / "log.jsonl"), "--certificates", "--out", str(tmp_path / "run")]) == 2
+    assert "--certificates" in capsys.readouterr().err
 
 
 def test_what_is_no_bound_of_a_clock_is_refused():

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from types import TracebackType
+from uuid import uuid4
 
 import numpy as np
 
@@ -30,10 +31,8 @@ def pictures(team: Team, path: Path | None, *, view: bool) -> Pictures:
         NoViewer: No viewer can be opened.
         OSError: The file cannot be written.
     """
-    viewer = open_viewer() if view else None
-    recording = Recording(
-        path, team, recording_id="live", walls=NO_WALLS, wall_height=0.0, inside=False, viewer=viewer, live=True
-    )
+    viewer, own = open_viewer() if view else None, f"live_{uuid4()}"  # an open viewer may still show an earlier run
+    recording = Recording(path, team, recording_id=own, walls=NO_WALLS, wall_height=0.0, inside=False, viewer=viewer, live=True)
     return Pictures(recording, team)
 
 

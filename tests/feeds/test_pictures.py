@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from time import perf_counter
@@ -24,7 +25,7 @@ from experiments.logs import tum_line
 from experiments.show.onlooker import MOST, Onlooker
 from experiments.show.recording import Recording
 from experiments.show.viewer import NoViewer
-from filter import FixedLag, Frame, Left, Polygon, Position, SetMembershipFilter, Team
+from filter import Fallback, FixedLag, Frame, Left, Polygon, Position, SetMembershipFilter, Team
 
 ROOT = Path(__file__).parents[2]
 TEAM = Team(2, landmarks=[[0.0, 1.0]], arena=[[-2, -2], [2, 2]])
@@ -135,6 +136,19 @@ def test_pictures_take_their_share_of_the_time_and_no_more_and_lose_nothing(monk
     assert kept.truths == [k - 0.5 for k in range(20)]
     assert kept.events.count("r0: the position escaped") == 5
     assert kept.events[-1] == "closed"
+
+
+def test_what_has_happened_is_told_once_though_a_step_that_goes_on_says_it_again(monkeypatch):
+    kept, pending = Kept(), []
+    monkeypatch.setattr(kept, "add", lambda frame, belief: pending.append([str(event) for event in belief.events]))
+    pictures = Pictures(kept, TEAM)
+    events = [Fallback(robot, ("walk",), None) for robot in (0, 1)]
+    for known in (events[:1], events[:1], events, [], events[:1]):
+        now = answered(0.0).now
+        now.belief = replace(now.belief, events=tuple(known))
+        monkeypatch.setattr(pictures, "_next", 0.0)
+        pictures.keep(Answered(now, (), ()))
+    assert [len(each) for each in pending] == [1, 0, 1, 0, 1]
 
 
 def test_a_mark_stays_for_a_moment_and_one_begin_is_one_event():

@@ -24,6 +24,7 @@ from filter import (
     Sensor,
     SetMembershipFilter,
     Team,
+    wrap,
 )
 from filter.sensing.rows import bearing_rows, world_arcs
 
@@ -40,7 +41,7 @@ class SloppyWorld(MountedWorld):
             return exact
         half = self.rng.choice([0.02, *BOUNDS], len(exact.robot))
         half = np.minimum(half, np.pi)
-        value = exact.bearing + (half - exact.bound).clip(0) * self.error(len(half))
+        value = wrap(exact.bearing + (half - exact.bound).clip(0) * self.error(len(half)))
         return Bearing(time, exact.robot, exact.target, value, half, exact.sensor, exact.target_sensor)
 
 

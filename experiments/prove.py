@@ -98,9 +98,12 @@ def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> l
     regions = list[Region | None]()
     for robot, region in enumerate(record["regions"]):
         with located(f"{place} (t = {frame.time} s, robot {robot})"):
-            if (region is None) != (robot in frame.away):
-                raise Broken("a region of a robot that is away" if region else "there is no region, though the robot is there")
-            regions.append(checked_region(region, chain.shown.get((WORLD, robot), {})) if region else None)
+            is_there = region is not None
+            if is_there == (robot in frame.away):
+                raise Broken(
+                    "a region of a robot that is away" if is_there else "there is no region, though the robot is there"
+                )
+            regions.append(checked_region(region, chain.shown.get((WORLD, robot), {})) if is_there else None)
     return regions
 
 

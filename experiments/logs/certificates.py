@@ -5,14 +5,16 @@ every side of a robot's box; every float as a C99 hexadecimal string, which is e
 satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot alone where `from` is -1. The rows are
 normal . (x_j - x_i) <= offset, or of x_j alone where i is -1.
 
-A line with a `side` says of a robot's target, that one, that it is to one side of the robot: its direction is known then.
+A line with a `side` says of a robot's target, that one, that it is to one side of the robot: its direction is known then. If it
+has `sensors`, by their numbers, that is said of the place of one as seen from the other.
 
 A line with `pieces` was found case by case: a robot is behind all half-planes of its `claims`, as that is so of each piece that
 its poses were split into, cut by all that was measured of it. Its `rows` are of the robot alone, or of a mate alone, without
 multipliers.
 
 `headings.jsonl.gz` beside it holds each step's heading intervals, as often as they became narrower, with the lines that have to
-be proved before; `regions.jsonl.gz` the regions with the very numbers that recordings, trajectories and summaries show.
+be proved before; `regions.jsonl.gz` the regions with the very numbers that recordings, trajectories and summaries show,
+null for robots that are away.
 """
 
 from __future__ import annotations

@@ -99,13 +99,14 @@ class Chain:
         if proved is None:
             self._case_by_case(line)
         elif "side" in line:
-            then = self._instants[-1].frame
-            looks = (
-                [in_common(arc, compasses(then, robot)) for robot, arc in enumerate(self._looks)] if "sensors" in line else ()
-            )
-            self.sides.add(line, proved, looks)
+            self.sides.add(line, proved, self._looks_by_compasses() if "sensors" in line else ())
         else:
             self._claim(line)
+
+    def _looks_by_compasses(self) -> list[Arc]:
+        """Return how robots look as far as it is proved without the bearings of this pass."""
+        frame = self._instants[-1].frame
+        return [in_common(arc, compasses(frame, robot)) for robot, arc in enumerate(self._looks)]
 
     def _case_by_case(self, line: Record) -> None:
         robot = line["robot"]

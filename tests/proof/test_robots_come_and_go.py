@@ -171,6 +171,16 @@ def no_region(lines):
     at(lines, PUT)[0]["regions"][0] = None
 
 
+@forged("not as it should be: KeyError: 'vertices'", REGIONS)
+def an_empty_region(lines):
+    at(lines, PUT)[0]["regions"][0] = {}
+
+
+@forged("a region of a robot that is away", REGIONS)
+def an_empty_region_of_one_that_is_away(lines):
+    at(lines, LEFT)[0]["regions"][1] = {}
+
+
 @forged("a region of a robot that is away", REGIONS)
 def a_region_of_one_that_is_away(lines):
     at(lines, LEFT)[0]["regions"][1] = at(lines, LEFT)[0]["regions"][0]

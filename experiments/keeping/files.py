@@ -8,8 +8,11 @@ from types import TracebackType
 from experiments.following.located import directions, points
 from experiments.keeping.running import Keeper, Moment
 from experiments.logs import Certificates
+from experiments.logs.checks import AT_THE_CENTRE
 from experiments.show.output import Trajectories
-from filter import Team
+from filter import InvalidInput, Position, Team
+
+PROVABLE = "for --certificates, as yet"
 
 
 class Poses(Keeper):
@@ -30,13 +33,22 @@ class Poses(Keeper):
 
 
 class Proofs(Keeper):
-    """Keeps the certificates, and the regions that they prove."""
+    """Keeps the certificates, and the regions that they prove.
+
+    `experiments.prove` does not know clocks that are off, nor positions of antennas: for these both raise `InvalidInput`.
+    """
 
     def __init__(self, folder: Path, team: Team) -> None:
+        off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
+        if off is not None:
+            raise InvalidInput(f"sensors without a time_bound {PROVABLE}", off.name)
         self._files = Certificates(folder, team.landmarks)
 
     def keep(self, moment: Moment) -> None:
         """Take one step in."""
+        for record in moment.step.frame.measurements:
+            if isinstance(record, Position) and (record.sensor != AT_THE_CENTRE).any():
+                raise InvalidInput(f"positions of robots, not of their sensors, {PROVABLE}", f"one at {record.time} s")
         self._files.write(moment.step)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -141,7 +141,8 @@ def test_an_unknown_start_in_an_open_arena_is_refused(tmp_path):
 def test_the_checker_of_proofs_takes_an_unknown_start_for_the_arena(tmp_path):
     with LogWriter(tmp_path / "log.jsonl", Header(TEAM, 0.0, None), [InitialSet()]) as log:
         log.write(frame(0.0))
-    assert {tuple(map(float, corner)) for corner in Log(tmp_path).starts[0].place.corners} == {(-9, -9), (-9, 9), (9, -9), (9, 9)}
+    corners = Log(tmp_path).starts[0].place.corners
+    assert {tuple(map(float, corner)) for corner in corners} == {(-9, -9), (-9, 9), (9, -9), (9, 9)}
 
 
 POSES = b"# t x y z qx qy qz qw\n0.0 1 2 0 0 0 0 1\n0.1 1 3 0 0 0 0 1\n"

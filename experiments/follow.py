@@ -18,7 +18,7 @@ import tyro
 from experiments.following.beside import Beside
 from experiments.following.metrics import Metrics, Value
 from experiments.following.scenarios import Scenario, of_log
-from experiments.keeping.files import Poses, Proofs
+from experiments.keeping.files import Poses, Proofs, check_provable
 from experiments.keeping.regions import RegionFiles
 from experiments.keeping.running import Keeper, Running, Told, exit_code
 from experiments.keeping.watched import ALARMS, BACK, EPISODES, POSES, TOLERANCE, Watched
@@ -96,6 +96,8 @@ def run(options: Options) -> int:
     _check(options)
     log = LogReader(options.log)
     scenario, watching = _watching(options, of_log(log))
+    if options.certificates:
+        check_provable(scenario.team)
     filter_ = filter_of(options, scenario.team)
     folder = _emptied(output_folder(options.out))
     log.copy(folder / LOG)

@@ -17,7 +17,7 @@ from experiments.following.metrics import Metrics, Value
 from experiments.following.scenarios import Scenario, from_log
 from experiments.following.simulated import from_simulator
 from experiments.following.steps import warmed_up
-from experiments.keeping.files import Poses, Proofs
+from experiments.keeping.files import Poses, Proofs, check_provable
 from experiments.keeping.recorded import recorded
 from experiments.keeping.running import Keeper, Running, exit_code
 from experiments.logs import LogWriter
@@ -95,6 +95,8 @@ def run(options: Options) -> int:
         CorralError: An option, the log, or the output folder cannot be used.
     """
     scenario = scenario_of(options)
+    if options.certificates:
+        check_provable(scenario.team)
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
     team_filter = make(
         scenario.team,

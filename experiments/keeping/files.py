@@ -15,6 +15,13 @@ from filter import InvalidInput, Position, Team
 PROVABLE = "for --certificates, as yet"
 
 
+def check_provable(team: Team) -> None:
+    """Raise `InvalidInput` if a sensor's clock may be off, of which `experiments.prove` does not know."""
+    off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
+    if off is not None:
+        raise InvalidInput(f"sensors without a time_bound {PROVABLE}", off.name)
+
+
 class Poses(Keeper):
     """Keeps the trajectories: the filter's own, the truth's where it is known, and the Kalman filter's if one is beside."""
 
@@ -33,19 +40,13 @@ class Poses(Keeper):
 
 
 class Proofs(Keeper):
-    """Keeps the certificates, and the regions that they prove.
-
-    `experiments.prove` does not know clocks that are off, nor positions of antennas: for these both raise `InvalidInput`.
-    """
+    """Keeps the certificates, and the regions that they prove."""
 
     def __init__(self, folder: Path, team: Team) -> None:
-        off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
-        if off is not None:
-            raise InvalidInput(f"sensors without a time_bound {PROVABLE}", off.name)
         self._files = Certificates(folder, team.landmarks)
 
     def keep(self, moment: Moment) -> None:
-        """Take one step in."""
+        """Take one step in; raises `InvalidInput` for a position of an antenna, which `experiments.prove` does not know."""
         for record in moment.step.frame.measurements:
             if isinstance(record, Position) and (record.sensor != AT_THE_CENTRE).any():
                 raise InvalidInput(f"positions of robots, not of their sensors, {PROVABLE}", f"one at {record.time} s")

@@ -272,7 +272,7 @@ def test_no_direction_from_far_enough_is_left_out(seed, shape):
     apart = unit(rng.uniform(-np.pi, np.pi)) * (3 if shape == "apart" else 0.4)
     places, _ = cut_by(rng, 2, apart)
     if shape in ("a point", "a corner") or places is None:
-        places = ExactPolygon.point(cell.corners[0] if shape == "a corner" else exactly(apart))
+        places = ExactPolygon.around([cell.corners[0] if shape == "a corner" else exactly(apart)])
     nearest = Fraction(float(rng.choice([0.0, 0.5, 2.0])))
     arc = directions(cell, places, nearest)
     weights = rng.dirichlet(np.full(len(cell.floats), 0.3), 200), rng.dirichlet(np.full(len(places.floats), 0.3), 200)

@@ -21,7 +21,7 @@ def verdicts(team, steps, claimed, tolerance):
         yield from judge.verdicts(frame, beliefs, claimed)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_no_true_pose_is_accused_at_any_rate_by_any_clock(seed):
     driven, team, steps = world(seed, steady=seed % 2 == 0, limit=0.5 if seed % 3 else 0.5 * (seed % 2))
     offset, tolerance = driven.rng.uniform(-1e3, 1e3), driven.rng.choice([1e-6, 1e-3, 0.3])
@@ -33,7 +33,7 @@ def test_no_true_pose_is_accused_at_any_rate_by_any_clock(seed):
     assert judged == 4000  # of 4 robots
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_every_alarm_is_confirmed_by_fractions(seed):
     driven, team, steps = world(seed, robots=2)
     ticks, believed = np.arange(0, round(steps[-1].frame.time / TICK), 37), {step.belief.time: step.belief for step in steps}

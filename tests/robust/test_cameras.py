@@ -33,7 +33,7 @@ def turned(records, by):
 
 @pytest.mark.parametrize("begins", [0, 60])
 @pytest.mark.parametrize("by", np.radians([-20, 20]))
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_turned_camera_is_suspected_and_the_others_keep_their_guarantee(seed, by, begins):
     world, beliefs = world_of(seed), []
     others = np.arange(3) != GUILTY
@@ -55,7 +55,7 @@ def test_a_turned_camera_is_suspected_and_the_others_keep_their_guarantee(seed, 
 
 
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_good_cameras_are_never_suspected(seed, errors):
     world = world_of(seed, errors=errors)
     for belief in touring(world, 250):

@@ -14,8 +14,8 @@ from filter import Frame, Odometry, Truth
 FILES = (LINES, HEADINGS, REGIONS)
 
 
-def run_of(path, *, light=True, **options):
-    """Return the folder of a run of 8 steps, some of them backwards, one robot now and then without odometry.
+def run_of(path, *, light=True, steps=8, **options):
+    """Return the folder of a run of so many steps, some of them backwards, one robot now and then without odometry.
 
     Its first headings are unknown but for a compass, which only some frames have: bearings make them narrower. A light filter
     has few cells, so it is soon proved.
@@ -23,7 +23,7 @@ def run_of(path, *, light=True, **options):
     world = World(np.random.default_rng(0), robots=3, errors="extreme", **options)
     initial = [InitialSet(one.vertices, None) for one in world.initial_sets()]
     with LogWriter(path / "given.jsonl", Header(world.team, 0.0, 10.0), initial) as log:
-        for k in range(8):
+        for k in range(steps):
             motion = world.move(backwards=k % 2 == 1) if k else None
             if motion is not None and k % 3 == 0:
                 names = [name for name in Odometry.__dataclass_fields__ if name not in ("start", "time")]

@@ -2,13 +2,14 @@
 
 from filter.arrays import LARGEST, finite, read_only
 from filter.records.odometry import SHORTEST
-from filter.records.radians import bearing_in_radians, heading_in_radians
+from filter.records.radians import TWO_TURNS, bearing_in_radians, heading_in_radians
 from filter.records.record import AT_THE_CENTRE, field_names
 
 __all__ = [
     "AT_THE_CENTRE",
     "LARGEST",
     "SHORTEST",
+    "TWO_TURNS",
     "bearing_in_radians",
     "field_names",
     "finite",

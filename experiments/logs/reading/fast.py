@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from experiments.logs.checks import (
     AT_THE_CENTRE,
     LARGEST,
+    TWO_TURNS,
     bearing_in_radians,
     field_names,
     heading_in_radians,
@@ -89,7 +90,8 @@ class Fast:
 
     def _compass(self, time: float, robot: Any, value: Any, bound: Any, sensor: Any) -> Compass:
         columns = self._measured(Compass, [self._listed(robot)], [value, bound], [sensor])
-        heading_in_radians(columns["heading"], columns["bound"])
+        if not _is_small(columns["heading"]):
+            heading_in_radians(columns["heading"], columns["bound"])
         return settled(Compass, time=time, **columns)
 
     def _sighted(
@@ -102,7 +104,7 @@ class Fast:
             raise _Unusual
         if tag is not UNSET and (columns["target_sensor"][columns["target"] >= self._robots.count] != AT_THE_CENTRE).any():
             raise _Unusual
-        if kind is Bearing:
+        if kind is Bearing and not _is_small(columns["bearing"]):
             bearing_in_radians(columns["bearing"])
         return settled(kind, time=time, **columns)
 
@@ -185,6 +187,11 @@ class Fast:
         if mated != (mark is None or mark is UNSET):
             raise _Unusual
         return self._body(mate, self._robots) if mated else self._robots.count + self._body(mark, self._marks)
+
+
+def _is_small(angles: Array) -> bool:
+    """Return whether it is one angle that nobody takes for degrees [rad]."""
+    return angles.size == 1 and abs(angles.item()) <= TWO_TURNS
 
 
 def _place(position: Any) -> Any:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved.runs import lines_of, moved, rewritten
+from helpers.proved.runs import forge, lines_of, moved, rewritten
 from helpers.proved.streams import NAMES, Team, as_it_comes, written
 
 from experiments import prove
@@ -263,9 +263,7 @@ def test_the_folder_is_proved_as_it_is(copy):
 @pytest.mark.parametrize("name", FORGED)
 def test_what_is_forged_is_refused(copy, name, capsys):
     file, change, why = FORGED[name]
-    lines = lines_of(copy, file)
-    change(lines)
-    rewritten(copy, lines, file)
+    forge(copy, file, change)
     assert prove.main([str(copy)]) == 1
     told = capsys.readouterr().out
     assert told.startswith("not proved: ")

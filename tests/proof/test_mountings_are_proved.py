@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.proved.mounted import followed, moved_by
-from helpers.proved.runs import lines_of, moved, rewritten
+from helpers.proved.runs import forge, moved
 from helpers.sensing.mounted import MountedWorld
 
 from experiments import prove
@@ -165,9 +165,7 @@ def cells_that_are_smaller(lines):
 def test_what_is_forged_is_refused(folders, tmp_path, name, capsys):
     wide, file, change, why = FORGED[name]
     copy = Path(shutil.copytree(folders[wide], tmp_path / "copy"))
-    lines = lines_of(copy, file)
-    change(lines)
-    rewritten(copy, lines, file)
+    forge(copy, file, change)
     assert prove.main([str(copy)]) == 1
     told = capsys.readouterr().out
     assert told.startswith("not proved: ")

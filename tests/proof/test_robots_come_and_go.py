@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved.runs import lines_of, moved, rewritten
+from helpers.proved.runs import forge, lines_of, moved, rewritten
 from helpers.proved.streams import BACK, JOINED, LEFT, PUT, Team, as_it_comes, coming_and_going, in_step, written
 
 from experiments import prove
@@ -207,9 +207,7 @@ def what_was_known_before(lines):
 @pytest.mark.parametrize("name", FORGED)
 def test_what_is_forged_is_refused(copy, name, capsys):
     file, change, why = FORGED[name]
-    lines = lines_of(copy, file)
-    change(lines)
-    rewritten(copy, lines, file)
+    forge(copy, file, change)
     assert prove.main([str(copy)]) == 1
     assert why in capsys.readouterr().out
 

@@ -11,7 +11,6 @@ from filter import (
     Bearing,
     Compass,
     ExtendedKalmanFilter,
-    Frame,
     GaussianBelief,
     Inconsistent,
     InvalidInput,
@@ -30,12 +29,6 @@ TEAM = Team(2, [[3.0, 0.0]], arena=[[-50, -50], [50, 50]], sensors=SENSORS)
 BOX = Polygon.box([-3, -3], [3, 3])
 
 
-def excluded(belief, world):
-    """Return the robots of which a belief excludes the true place, and the true heading."""
-    places, ways = belief.regions.contains(world.positions), belief.headings.contains(world.headings)
-    return np.flatnonzero(~places).tolist(), np.flatnonzero(~ways).tolist()
-
-
 def updated(records, headings, filter_=None):
     filter_ = filter_ or SetMembershipFilter(TEAM)
     return filter_.update(filter_.start(0.0, [BOX] * 2, AngularIntervals(*headings)), records)
@@ -50,7 +43,7 @@ def test_the_truth_is_inside_whatever_the_mountings(seed):
     for _ in range(3):
         others = world.measure(bearings=0.3, ranges=0.3) if rng.random() < 0.6 else []
         belief = filter_.update(belief, [*world.placed(), *others])
-        assert excluded(belief, world) == ([], [])
+        assert world.excluded_by(belief) == ([], [])
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -58,16 +51,9 @@ def test_at_earlier_instants_the_headings_of_those_count(seed):
     rng = np.random.default_rng(seed)
     world = MountedWorld(rng, int(rng.integers(1, 3)), reach=0.8)
     filter_ = SetMembershipFilter(world.team)
-    belief, time = filter_.start(0.0, *world.initial(0.3, float(rng.choice([0.05, 0.5])))), 0.0
-    for count in (1, 3, 4):
-        frames = []
-        for _ in range(count):
-            motion, time = world.drive(time, time + 0.1), time + 0.1
-            frames.append(Frame(time, motion, [*world.placed(time), *world.measure(time, ranges=0.2)]))
-        together = filter_._together(belief, frames)
-        belief = filter_.advance(belief, frames)
-        for after in (together or belief, belief):
-            assert excluded(after, world) == ([], [])
+    belief = filter_.start(0.0, *world.initial(0.3, float(rng.choice([0.05, 0.5]))))
+    for after in world.through_instants(filter_, belief, lambda time: [*world.placed(time), *world.measure(time, ranges=0.2)]):
+        assert world.excluded_by(after) == ([], [])
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.7, np.pi, -2.5])

@@ -15,7 +15,6 @@ from filter import (
     Bearing,
     Compass,
     ExtendedKalmanFilter,
-    Frame,
     GaussianBelief,
     Inconsistent,
     InvalidInput,
@@ -39,12 +38,6 @@ MARKS = np.array([[6.0, 0.5], [6.0, -3.0]])
 ARENA = [[-10, -10], [10, 10]]
 
 
-def excluded(belief, world):
-    """Return the robots of which a belief excludes the true place, and the true heading."""
-    places, ways = belief.regions.contains(world.positions), belief.headings.contains(world.headings)
-    return np.flatnonzero(~places).tolist(), np.flatnonzero(~ways).tolist()
-
-
 @pytest.mark.parametrize("seed", range(60))
 def test_the_truth_is_inside_however_late_or_early_sensors_are(seed):
     rng = np.random.default_rng(seed)
@@ -55,7 +48,7 @@ def test_the_truth_is_inside_however_late_or_early_sensors_are(seed):
         some = rng.choice(3)
         records = [*(world.placed() if some else []), *(world.measure() if some < 2 else [])]
         belief = filter_.update(belief, records)
-        assert excluded(belief, world) == ([], [])
+        assert world.excluded_by(belief) == ([], [])
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -63,16 +56,9 @@ def test_it_is_at_several_instants(seed):
     rng = np.random.default_rng(seed)
     world = ClockedWorld(rng, int(rng.integers(1, 3)), reach=0.8)
     filter_ = SetMembershipFilter(world.team)
-    belief, time = filter_.start(0.0, *world.initial(0.3, float(rng.choice([0.05, 0.5])))), 0.0
-    for count in (1, 3, 4):
-        frames = []
-        for _ in range(count):
-            motion, time = world.drive(time, time + 0.1), time + 0.1
-            frames.append(Frame(time, motion, [*world.placed(time, 0.2), *world.measure(time)]))
-        together = filter_._together(belief, frames)
-        belief = filter_.advance(belief, frames)
-        for after in (together or belief, belief):
-            assert excluded(after, world) == ([], [])
+    belief = filter_.start(0.0, *world.initial(0.3, float(rng.choice([0.05, 0.5]))))
+    for after in world.through_instants(filter_, belief, lambda time: [*world.placed(time, 0.2), *world.measure(time)]):
+        assert world.excluded_by(after) == ([], [])
 
 
 def driven(sensors, off, sensor=0, rate=0.0):

@@ -62,3 +62,18 @@ def test_no_drive_within_the_pieces_gets_out(seed, count):
         assert (place @ direction[0]).max() <= moves.support(np.array([0]), direction)[0] + 1e-12
     beyond = np.abs((look - after.centre[0] + np.pi) % (2 * np.pi) - np.pi)
     assert (beyond <= after.bound[0] + 1e-12).all()
+
+
+@pytest.mark.parametrize("span", [(0.0, 1.0), (1.0, 2.0), (0.2, 0.7), (1.0, 1.5), (0.5, 2.0)])
+def test_what_was_driven_before_and_after_says_nothing(span):
+    """To the last bit, also where it ends or begins just then; of another robot, too."""
+    records = pieces_of(np.random.default_rng(7), 3)
+    alone, among = Motions(Team(2)), Motions(Team(2)).merged(Odometry(0.0, 3.0, 1, 1.0, 0.1, 0.0, 0.1, 0.1, 0.1))
+    for record in records:
+        among = among.merged(record)
+        if record.start < span[1] and record.time > span[0]:
+            alone = alone.merged(record)
+    expected, found = alone.between(*span), among.between(*span)
+    assert found.robot.tolist() == [0, 1]
+    for name in ("distance", "distance_bound", "turn", "turn_bound", "direction_bound", "slip_bound", "aside"):
+        assert getattr(found, name)[0] == getattr(expected, name)[0]

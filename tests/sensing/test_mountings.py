@@ -12,7 +12,6 @@ from filter import (
     AngularIntervals,
     Bearing,
     Compass,
-    Frame,
     Inconsistent,
     InvalidInput,
     Polygon,
@@ -28,12 +27,6 @@ from filter import (
 DEGREE = np.pi / 180
 
 
-def excluded(belief, world):
-    """Return the robots of which a belief excludes the true place, and the true heading."""
-    places, ways = belief.regions.contains(world.positions), belief.headings.contains(world.headings)
-    return np.flatnonzero(~places).tolist(), np.flatnonzero(~ways).tolist()
-
-
 @pytest.mark.parametrize("seed", range(40))
 def test_the_truth_is_inside_whatever_the_mountings(seed):
     rng = np.random.default_rng(seed)
@@ -42,7 +35,7 @@ def test_the_truth_is_inside_whatever_the_mountings(seed):
     belief = filter_.start(0.0, *world.initial(float(rng.choice([0.2, 2.0])), float(rng.choice([0.02, 0.5, 2.0, np.pi]))))
     for _ in range(3):
         belief = filter_.update(belief, world.measure())
-        assert excluded(belief, world) == ([], [])
+        assert world.excluded_by(belief) == ([], [])
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -51,16 +44,9 @@ def test_at_earlier_instants_the_headings_of_those_count(seed):
     rng = np.random.default_rng(seed)
     world = MountedWorld(rng, int(rng.integers(1, 3)), reach=0.8)
     filter_ = SetMembershipFilter(world.team)
-    belief, time = filter_.start(0.0, *world.initial(0.3, float(rng.choice([0.05, 0.5])))), 0.0
-    for count in (1, 3, 4):
-        frames = []
-        for _ in range(count):
-            frames.append(Frame(time + 0.1, world.drive(time, time + 0.1), world.measure(time + 0.1)))
-            time += 0.1
-        together = filter_._together(belief, frames)
-        belief = filter_.advance(belief, frames)
-        for after in (together or belief, belief):
-            assert excluded(after, world) == ([], [])
+    belief = filter_.start(0.0, *world.initial(0.3, float(rng.choice([0.05, 0.5]))))
+    for after in world.through_instants(filter_, belief, world.measure):
+        assert world.excluded_by(after) == ([], [])
 
 
 def camera_and_robot(seed, bound):

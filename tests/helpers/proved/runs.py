@@ -50,6 +50,13 @@ def rewritten(folder, lines, name=LINES):
     (folder / name).write_bytes(gzip.compress(text, 1) if name.endswith(".gz") else text)
 
 
+def forge(folder, name, change):
+    """Have the records of a file of a run changed."""
+    lines = lines_of(folder, name)
+    change(lines)
+    rewritten(folder, lines, name)
+
+
 def moved(text, by):
     """Return a number as a C99 hexadecimal string, changed by so much."""
     return (float.fromhex(text) + by).hex()

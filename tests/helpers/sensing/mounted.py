@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,9 @@ from filter import (
     AngularIntervals,
     Array,
     Bearing,
+    Belief,
     Compass,
+    Frame,
     Integers,
     Measurement,
     Odometry,
@@ -18,6 +21,7 @@ from filter import (
     Position,
     Range,
     Sensor,
+    SetMembershipFilter,
     Team,
     wrap,
 )
@@ -144,3 +148,21 @@ class MountedWorld:
         """Return what compasses of robots (k,) show."""
         shown = wrap(self.headings[who] + self.angles[2] + self.sloppy * self.error(len(who)))
         return Compass(time, who, shown, self.sloppy + 1e-9, 2)
+
+    def excluded_by(self, belief: Belief) -> tuple[list[int], list[int]]:
+        """Return the robots of which a belief excludes the true place, and those of which it excludes the true heading."""
+        places, ways = belief.regions.contains(self.positions), belief.headings.contains(self.headings)
+        return np.flatnonzero(~places).tolist(), np.flatnonzero(~ways).tolist()
+
+    def through_instants(
+        self, filter_: SetMembershipFilter, belief: Belief, measured: Callable[[float], Sequence[Measurement]]
+    ) -> Iterator[Belief]:
+        """Yield what a filter knows after one instant, after three more at once, and after four, by what each measures."""
+        for count in (1, 3, 4):
+            frames, time = list[Frame](), belief.time
+            for _ in range(count):
+                motion, time = self.drive(time, time + 0.1), time + 0.1
+                frames.append(Frame(time, motion, measured(time)))
+            together = filter_._together(belief, frames)
+            belief = filter_.advance(belief, frames)
+            yield from (together or belief, belief)

@@ -51,8 +51,10 @@ class Frozen:
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def __post_init__(self) -> None:
+        kind: Any = type(self)
         given = self.__dict__
-        given |= self._passed()
+        if _checks(kind):
+            given |= self._passed()
         for name, value in given.items():
             if isinstance(value, np.ndarray):
                 given[name] = read_only(value)
@@ -60,8 +62,7 @@ class Frozen:
     def _passed(self) -> dict[str, Any]:
         """Return what the checks make of fields that have one."""
         kind: Any = type(self)
-        given = self.__dict__
-        return {name: check(given[name]) for name, check in _checks(kind)}
+        return {name: check(self.__dict__[name]) for name, check in _checks(kind)}
 
 
 @cache

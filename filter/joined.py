@@ -65,6 +65,15 @@ def inserted(parts: Array, new: Array) -> Array:
 
 
 @compiled
+def overlap(parts: Array) -> bool:
+    """Return whether any parts (m, COLUMNS) of a robot overlap, where they are in order."""
+    found = False
+    for k in range(1, len(parts)):
+        found |= parts[k, 0] == parts[k - 1, 0] and parts[k, 1] < parts[k - 1, 2]
+    return found
+
+
+@compiled
 def _is_before(one: Array, other: Array) -> bool:
     return one[0] < other[0] or (one[0] == other[0] and one[1] < other[1])
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, checked, instance, number, read_only, settle
 from filter.errors import InvalidInput
-from filter.joined import COLUMNS, inserted, joined
+from filter.joined import COLUMNS, inserted, joined, overlap
 from filter.records.odometry import Odometry, Twist
 from filter.team import Team
 
@@ -54,14 +54,19 @@ class Motions(Frozen):
         new = _parts_of(record)
         if not (new[:, START] < new[:, TIME]).all():
             raise InvalidInput("odometry that takes some time", f"from {record.time!r} s to the same")
-        parts = _ended(inserted(self.parts, new))
+        parts = inserted(self.parts, new)
+        if overlap(parts):
+            parts = _ended(parts)
+            self._check_apart(parts)
+        twisted = self.twisted.union(record.robot.tolist()) if isinstance(record, Twist) else self.twisted
+        return self._with(parts, twisted)
+
+    def _check_apart(self, parts: Array) -> None:
         same = parts[1:, ROBOT] == parts[:-1, ROBOT]
         late = np.flatnonzero(same & (parts[1:, START] < parts[:-1, TIME]))
         if len(late):
             robot, begins, ends = self.team.name(int(parts[late[0], ROBOT])), parts[late[0] + 1, START], parts[late[0], TIME]
             raise InvalidInput(f"odometry of {robot} that begins at {ends.item()!r} s or later", f"{begins.item()!r} s")
-        twisted = self.twisted.union(record.robot.tolist()) if isinstance(record, Twist) else self.twisted
-        return self._with(parts, twisted)
 
     def _with(self, parts: Array, twisted: frozenset[int]) -> Motions:
         motions = object.__new__(Motions)

@@ -228,7 +228,7 @@ class Team(Frozen):
         before, now = number("time of the belief [s]", belief_time), number("time [s]", time)
         if now < before:
             raise OutOfOrder("a prediction", now, before)
-        if max(self.speed_limit.max(), self.turn_rate_limit.max()) * (now - before) > LARGEST:
+        if self.limits[:, :2].max() * (now - before) > LARGEST:
             raise InvalidInput(f"a time until which robots get no farther than {LARGEST:g} m", f"{now!r} s")
         if odometry is not None:
             instance("odometry", odometry, Odometry, type(None))

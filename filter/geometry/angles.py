@@ -122,7 +122,11 @@ class AngularIntervals:
         """
         turn = self._each("turns [rad]", finite("turns [rad]", by))
         wider = self._each("bounds of turns [rad]", finite("bounds of turns [rad]", bound, 0))
-        return AngularIntervals._of(*_turned(self.centre, self.bound, turn, wider))
+        return self.turned_by(turn, wider)
+
+    def turned_by(self, by: Array, bound: Array) -> AngularIntervals:
+        """Return the same for turns and bounds (k,) that were checked before, without a look [rad]."""
+        return AngularIntervals._of(*_turned(self.centre, self.bound, by, bound))
 
     def _each(self, name: str, values: Array) -> Array:
         if values.shape == self.centre.shape:

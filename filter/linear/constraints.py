@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
-from filter.arrays import Array, Integers, Table, read_only, settle
+from filter.arrays import Array, Integers, Mask, Table, read_only, settle
 from filter.geometry.convex import EPSILON
 
 WORLD = -1
@@ -58,13 +60,26 @@ class Constraints(Table):
         """Return the rows with offsets changed by (r,) amounts [m], the sum's rounding on the outer side."""
         offset = self.offset + by
         outward = offset + np.where(by == 0, 0.0, 4 * EPSILON * (np.abs(self.offset) + np.abs(by)))
-        return self._with_offsets(outward)
+        return self._with(offset=outward)
 
-    def _with_offsets(self, offset: Array) -> Constraints:
-        """Return the rows, which are sorted already, with other offsets."""
+    def with_sources(self, source: Integers) -> Constraints:
+        """Return the rows with other sources (r,)."""
+        return self._with(source=source)
+
+    def _with(self, **columns: NDArray[Any]) -> Constraints:
+        """Return the rows, which are sorted already, with other columns than those they are sorted by."""
         rows = object.__new__(Constraints)
-        settle(rows, **self.__dict__ | {"offset": read_only(offset)})
+        settle(rows, **self.__dict__ | {name: read_only(column) for name, column in columns.items()})
         return rows
+
+    def select(self, index: Integers | Mask) -> Self:
+        """Return some of the rows, by index or mask."""
+        if index.dtype != bool:
+            return super().select(index)
+        some = object.__new__(type(self))  # in order as they were
+        columns = {name: read_only(getattr(self, name)[index]) for name in self.__dataclass_fields__}
+        settle(some, **columns, _stride=self._stride, _keys=self._keys[index])
+        return some
 
     def rows_of(self, i: int, j: int) -> Integers:
         """Return the rows on one pair, or with i = WORLD on one robot."""
@@ -79,6 +94,10 @@ class Constraints(Table):
 
     def grouped(self) -> tuple[Integers, Integers, Integers]:
         """Return i and j of each robot and each pair that has rows (g,), and where these begin (g + 1,)."""
+        return self._grouped
+
+    @cached_property
+    def _grouped(self) -> tuple[Integers, Integers, Integers]:
         begin = np.append(0, np.flatnonzero(self._keys[1:] != self._keys[:-1]) + 1)[: len(self)]
         return self.i[begin], self.j[begin], np.append(begin, len(self))
 

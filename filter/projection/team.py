@@ -21,6 +21,7 @@ from filter.workers import spread
 
 # Windows with so many robots, all told, are projected between two looks at the clock; for fewer a thread would not be worth it.
 TOGETHER = 512
+CORES = os.cpu_count() or 1
 WALK = "walk"  # what has failed, in a failure
 NO_NUMBERS = np.zeros(0, dtype=np.int64)
 NO_OUTLINES = Outlines(Polygons.of([]), Weights.of(np.zeros((0, 0))), Hulls.none(0), NO_NUMBERS, ())
@@ -123,7 +124,7 @@ class Projector:
             own, around = (begin[chunk], end[chunk]), (lower[chunk], upper[chunk])
             return sheet, project_some((i[chunk], j[chunk]), own, around, task, sheet)
 
-        workers = self.threads or os.cpu_count() or 1
+        workers = self.threads or CORES
         alone = workers == 1 or len(chunks) <= 1
         results = [walked(chunk) for chunk in chunks] if alone else spread(walked, chunks, workers)
         done, found = [NO_NUMBERS], [NO_OUTLINES]

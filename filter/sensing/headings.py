@@ -16,12 +16,13 @@ Arcs = tuple[Array, Array]  # centres and bounds
 
 def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
     """Return (k) arcs that contain the measuring robots' headings [rad]."""
-    return AngularIntervals.of_found(np.zeros(len(record.bound)), record.bound).turned(record.heading)
+    nothing = np.zeros(len(record.bound))
+    return AngularIntervals.of_found(nothing, record.bound).turned_by(record.heading, nothing)
 
 
 def heading_arcs_of_bearing(record: Bearing, spans: AngularIntervals) -> AngularIntervals:
     """Return (k) arcs that contain the measuring robots' headings, where (k) spans hold the targets' directions [rad]."""
-    return spans.turned(-record.bearing, record.bound)
+    return spans.turned_by(-record.bearing, record.bound)
 
 
 def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: AngularIntervals) -> AngularIntervals:

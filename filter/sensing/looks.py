@@ -65,6 +65,8 @@ def narrowed_by_bearings(spans: AngularIntervals, ways: AngularIntervals, readin
         )
         keys.append(((at * bodies + first) * bodies + last) * count + spots)
     order = np.argsort(keys[0], kind="stable")
-    turned = [np.where(each.robot > each.target, np.pi, 0.0) for each in (bearings, ranges)]
+    about, of_ranges = (np.where(each.robot > each.target, np.pi, 0.0) for each in (bearings, ranges))
+    forth = ways.turned_by(about, np.zeros(len(about)))[order]
     begin, end = (np.searchsorted(keys[0][order], keys[1], side) for side in ("left", "right"))
-    return spans.turned(turned[1]).narrowed(begin, end, ways.turned(turned[0])[order]).turned(turned[1])
+    exactly = np.zeros(len(of_ranges))
+    return spans.turned_by(of_ranges, exactly).narrowed(begin, end, forth).turned_by(of_ranges, exactly)

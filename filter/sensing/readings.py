@@ -80,11 +80,12 @@ class Readings(NamedTuple):
 
     def numbered(self, sources: Sources, robots: int) -> tuple[Sources, Integers]:
         """Enter what makes rows in a table; return it and numbers (b + r + p + n,) of these, and of the cells of n robots."""
-        first = len(sources)
-        for record, time in zip(self.records[1:], self.times[1:], strict=True):
-            sources, _ = sources.extended(KIND_OF[type(record)], time, record.robot, targets_of(record), record.sensor)
-        sources, _ = sources.extended("cells", self.ranges.time, np.arange(robots))
-        return sources, np.arange(first, len(sources))
+        measured = [
+            Sources.of(KIND_OF[type(record)], time, record.robot, targets_of(record), record.sensor)
+            for record, time in zip(self.records[1:], self.times[1:], strict=True)
+        ]
+        table = Sources.concatenate([sources, *measured, Sources.of("cells", self.ranges.time, np.arange(robots))])
+        return table, np.arange(len(sources), len(table))
 
     def spots(self, record: Bearing | Range) -> tuple[Integers | int, int]:
         """Return numbers (k,) for the places of sensors between which bearings or ranges are measured, and how many there are.
@@ -110,7 +111,7 @@ class Readings(NamedTuple):
         found = list[Source]()
         for record, time in zip(self.records, self.times, strict=True):
             target = targets_of(record)
-            table, _ = Sources().extended(KIND_OF[type(record)], time, record.robot, target, record.sensor)
+            table = Sources.of(KIND_OF[type(record)], time, record.robot, target, record.sensor)
             found += [table[k] for k in np.flatnonzero((record.robot == robot) | (target == robot)).tolist()]
         return list(dict.fromkeys(found))
 

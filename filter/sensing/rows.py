@@ -26,7 +26,7 @@ WIDENING = 1e-8
 
 def world_arcs(record: Bearing, headings: AngularIntervals) -> AngularIntervals:
     """Return (k) arcs that contain the targets' directions in the world, given the (k) measuring robots' headings [rad]."""
-    return headings.turned(record.bearing, record.bound)
+    return headings.turned_by(record.bearing, record.bound)
 
 
 def bearing_rows(robot: Integers, target: Integers, arcs: AngularIntervals, source: Integers) -> Constraints:

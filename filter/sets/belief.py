@@ -97,7 +97,7 @@ class Belief:
         used = np.zeros(len(self.sources), dtype=bool)
         used[np.concatenate([rows.source, origin, cause])] = True
         now = np.cumsum(used) - 1
-        polytope = replace(self.polytope, constraints=replace(rows, source=now[rows.source]), origin=now[origin])
+        polytope = replace(self.polytope, constraints=rows.with_sources(now[rows.source]), origin=now[origin])
         found = replace(self.found, cause=now[cause]) if self.found else None
         return replace(self, polytope=polytope, found=found, sources=self.sources.select(np.flatnonzero(used)))
 

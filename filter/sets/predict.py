@@ -25,7 +25,7 @@ def moved(belief: Belief, time: float, moves: Displacements | Moves, arena: Arra
     Raises `Inconsistent` if a robot has left the arena.
     """
     robots = np.arange(len(belief.headings))
-    by = np.stack([moves.support(robots, np.tile(side, (len(robots), 1))) for side in SIDES], axis=1)
+    by = moves.support(np.repeat(robots, len(SIDES)), np.tile(SIDES, (len(robots), 1))).reshape(-1, len(SIDES))
     lower = np.maximum(_outward(belief.polytope.lower, -by[:, 2:], -np.inf), arena[0])
     upper = np.minimum(_outward(belief.polytope.upper, by[:, :2], np.inf), arena[1])
     outside = np.flatnonzero((lower > upper).any(axis=1))

@@ -5,6 +5,7 @@ row on its own; what several rows say together of two robots has to be one row b
 """
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -90,7 +91,7 @@ def chosen_pairs(polytope: Polytope, sources: Sources, time: float, most: int) -
     """Return at most so many pairs i < j, in order: those just measured, then those longest ago, then those without rows."""
     rows, robots = polytope.constraints, len(polytope.lower)
     if robots * (robots - 1) // 2 <= most:
-        return np.triu_indices(robots, 1)
+        return _all_pairs(robots)
     if not most:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     i, j, first = rows.grouped()
@@ -99,11 +100,17 @@ def chosen_pairs(polytope: Polytope, sources: Sources, time: float, most: int) -
     known = known[np.lexsort((last[known], last[known] < time))]
     i, j = i[known], j[known]
     if len(known) < most:
-        first, second = np.triu_indices(robots, 1)
+        first, second = _all_pairs(robots)
         others = ~np.isin(_keys(first, second, robots), _keys(i, j, robots))
         i, j = np.append(i, first[others]), np.append(j, second[others])
     order = np.lexsort((j[:most], i[:most]))
     return i[:most][order], j[:most][order]
+
+
+@lru_cache(8)
+def _all_pairs(robots: int) -> Pairs:
+    i, j = np.triu_indices(robots, 1)
+    return read_only(i), read_only(j)
 
 
 def edges_as_rows(polytope: Polytope, outlines: Outlines, whose: Pairs, numbers: Integers) -> tuple[Constraints, Integers]:

@@ -226,7 +226,7 @@ class SetMembershipFilter(Frozen):
         """Return the belief after moves until some time [s], within an arena, and headings (n) then."""
         time, arena = until
         polytope, sources = moved(belief, time, moves, arena, self.corners)
-        return Belief(time, polytope, headings, sources, belief.guarantee).compact()
+        return Belief(time, polytope, headings, sources, belief.guarantee)
 
     def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
         """Return (g) polygons that contain x_j - x_i of robots i, j (g,) (eq. 3) [m]; `InvalidInput` if these are no pairs."""
@@ -242,7 +242,7 @@ class SetMembershipFilter(Frozen):
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
-        return self._gone(belief, (time, arena), moves, headings)
+        return self._gone(belief, (time, arena), moves, headings).compact()
 
     def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
         """Return whether a belief, after a motion in an arena, is proved to exclude measurements (see `Premises`)."""

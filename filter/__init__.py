@@ -25,6 +25,8 @@ from filter.records.frame import Frame, Truth
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Left, Placed
+from filter.records.relative import RelativeHeading
+from filter.records.seen import seen_position
 from filter.records.sensors import Sensor
 from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment
@@ -43,7 +45,7 @@ from filter.warm_up import warm_up
 from filter.watch import Alarm, watch
 
 __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position", "Range", "Sensor", "Team"]
-__all__ += ["Truth", "Twist"]
+__all__ += ["RelativeHeading", "Truth", "Twist", "seen_position"]
 __all__ += ["Arrival", "Left", "Motions", "Placed", "frames_of"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "heading_from_north"]
 __all__ += ["place_from_north", "wrap"]

@@ -21,6 +21,7 @@ from filter.records.measurements import Bearing, Compass, Measurement, Position
 from filter.records.odometry import Odometry
 from filter.records.presence import Change, Left
 from filter.records.record import BELOW_1, TIME
+from filter.records.relative import RelativeHeading
 from filter.team import Team
 
 STATES = 3  # x, y, heading
@@ -37,8 +38,8 @@ QUIET = np.errstate(over="ignore", invalid="ignore")  # what overflows is no bel
 class NoiseModel:
     """Standard deviations of the errors, each relative to the declared bound: the one place where the filter is tuned.
 
-    They are those of headings, bearings, ranges, positions on each axis, driven distances, turns, the motion's direction, and
-    slip on each axis. Raises `InvalidInput` unless all are above 0 and up to 1e6.
+    They are those of headings, bearings, ranges, positions on each axis, driven distances, turns, the motion's direction,
+    slip on each axis, and mates' headings. Raises `InvalidInput` unless all are above 0 and up to 1e6.
     """
 
     compass: float = UNIFORM
@@ -49,6 +50,7 @@ class NoiseModel:
     turn: float = UNIFORM
     direction: float = UNIFORM
     slip: float = UNIFORM
+    relative_heading: float = UNIFORM
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -229,16 +231,16 @@ class ExtendedKalmanFilter(Frozen):
             H[rows, STATES * robot + 2] = 1
             innovation = wrap(record.heading - mountings.angle[sensor] - belief.mean[robot, 2])
             return innovation, H, (self.noise.compass * (record.bound + turned)) ** 2
+        if isinstance(record, RelativeHeading):
+            turned += mountings.angle_bound[record.target_sensor] + mountings.swing[sensor, record.target]
+            return self._related(belief, record, record.bound + turned)
         ends, sensors = (robot, record.target), (sensor, record.target_sensor)
         arms, tags = (_arms(belief, body, mountings.position[each]) for body, each in zip(ends, sensors, strict=True))
         places = np.concatenate([belief.mean[:, :2], self.team.landmarks])[record.target] + tags
         away = places - belief.mean[robot, :2] - arms
         distance, off = np.maximum(np.hypot(away[:, 0], away[:, 1]), NEAREST), mountings.off(ends, sensors)
-        towards, nothing, moving = (
-            away / distance[:, None],
-            distance <= NEAREST,
-            np.flatnonzero(record.target < len(belief.mean)),
-        )
+        towards, nothing = away / distance[:, None], distance <= NEAREST
+        moving = np.flatnonzero(record.target < len(belief.mean))
         if isinstance(record, Bearing):
             nothing |= record.bound + turned >= np.pi
             slope = np.column_stack([-towards[:, 1], towards[:, 0]]) / distance[:, None]
@@ -257,6 +259,15 @@ class ExtendedKalmanFilter(Frozen):
             H[rows, STATES * robot + axis] -= slope[:, axis]
             H[moving, STATES * record.target[moving] + axis] += slope[moving, axis]
         return innovation, H, variance
+
+    def _related(self, belief: GaussianBelief, record: RelativeHeading, bound: Array) -> tuple[Array, Array, Array]:
+        """Return the same of mates' headings, with bounds (k,), of which half a turn tells nothing."""
+        robot, target, angle, H = record.robot, record.target, self.team.mounted.angle, np.zeros((len(bound), belief.mean.size))
+        told = np.flatnonzero(bound < np.pi)
+        H[told, STATES * robot[told] + 2], H[told, STATES * target[told] + 2] = -1, 1
+        looks = belief.mean[:, 2]
+        innovation = wrap(record.heading + angle[record.sensor] - angle[record.target_sensor] - looks[target] + looks[robot])
+        return innovation, H, (self.noise.relative_heading * bound) ** 2
 
     def _placed(self, belief: GaussianBelief, record: Position) -> tuple[Array, Array, Array]:
         """Return the same of positions: of each robot that has one, the middle of the box around it, where that ends."""

@@ -16,6 +16,7 @@ from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Change, Left, Placed
+from filter.records.record import called
 from filter.stream import ARRIVALS, Arrival
 from filter.team import Team
 
@@ -136,12 +137,12 @@ class FixedLag(Frozen, Generic[AnyBelief]):
         if not told:
             return lagged, len(steps)
         if lagged.motions is None:
-            raise InvalidInput("measurements alone, as a function tells how robots move", type(told[0]).__name__.lower())
+            raise InvalidInput("measurements alone, as a function tells how robots move", called(type(told[0])))
         motions, oldest = lagged.motions, steps[0].belief.time
         for record in told:
             if len(steps) > 1 and motions.ends_before(record, oldest):
                 begin = record.start if isinstance(record, Odometry) else record.time
-                raise OutOfOrder(type(record).__name__.lower(), begin, oldest)
+                raise OutOfOrder(called(type(record)), begin, oldest)
             motions = motions.merged(record)
         # Of what goes on in the newest step only that counts, or each of its records would have the step before done again.
         over = steps[-2].belief.time if self.every and len(steps) > 1 else -np.inf

@@ -13,6 +13,7 @@ from filter.records.frame import Frame, Truth
 from filter.records.measurements import MEASUREMENTS, Measurement
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Change, Left, Placed
+from filter.records.record import called
 from filter.team import Team
 
 Arrival = Measurement | Odometry | Twist | Placed | Left | Frame
@@ -71,7 +72,7 @@ class _Stream:
         # A twist that holds from the last frame on is in time; one that ended another before that frame is not.
         is_done = record.time < self._done or (record.time == self._done and not isinstance(record, Twist))
         if is_done and not (self._first and (record.time == self._done or isinstance(record, Twist))):
-            raise OutOfOrder(type(record).__name__.lower(), record.time, self._done)
+            raise OutOfOrder(called(type(record)), record.time, self._done)
         if isinstance(record, Odometry | Twist):
             self._drive(record)
             return

@@ -30,10 +30,11 @@ from filter.arrays import (
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
-from filter.records.measurements import Bearing, Compass, Measurement, Position, Range, measurements_of
+from filter.records.measurements import MEASUREMENTS, Bearing, Measurement, Range, measurements_of
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Change, Left, Placed
-from filter.records.record import AT_THE_CENTRE
+from filter.records.record import AT_THE_CENTRE, called
+from filter.records.relative import RelativeHeading
 from filter.records.sensors import Mountings, Sensor, sensors_in
 
 NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names and of paths in recordings
@@ -170,16 +171,17 @@ class Team(Frozen):
 
     def check(self, record: Measurement | Odometry | Twist) -> None:
         """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""
-        instance("a record", record, Compass, Bearing, Range, Position, Odometry, Twist)
-        for role, count in (("robot", self.robots), ("target", self.robots + len(self.landmarks))):
+        instance("a record", record, *MEASUREMENTS, Odometry, Twist)
+        marks = 0 if isinstance(record, RelativeHeading) else len(self.landmarks)
+        for role, count in (("robot", self.robots), ("target", self.robots + marks)):
             named = getattr(record, role, record.robot)
             if _largest(named) >= count:
-                raise InvalidInput(f"a {role} among {self._known(role)}", f"{role} {named[named >= count][0]}")
+                raise InvalidInput(f"a {role} among {self._known(role, marks)}", f"{role} {named[named >= count][0]}")
         if not isinstance(record, Odometry | Twist):
             self._check_sensors(record)
 
-    def _known(self, role: str) -> str:
-        robots, marks = self.robots, len(self.landmarks)
+    def _known(self, role: str, marks: int) -> str:
+        robots = self.robots
         landmarks = f" and landmarks {robots} to {robots + marks - 1}" if marks else " and no landmark"
         return f"robots 0 to {robots - 1}" + landmarks * (role == "target")
 
@@ -204,7 +206,7 @@ class Team(Frozen):
         if change.robot >= self.robots:
             raise InvalidInput(f"a robot among robots 0 to {self.robots - 1}", f"robot {change.robot}")
         if belief_time is not None and change.time != belief_time:
-            raise OutOfOrder(type(change).__name__.lower(), change.time, belief_time)
+            raise OutOfOrder(called(type(change)), change.time, belief_time)
         return change
 
     def initial(
@@ -247,7 +249,7 @@ class Team(Frozen):
         for record in records:
             self.check(record)
             if record.time != now:
-                raise OutOfOrder(type(record).__name__.lower(), record.time, now)
+                raise OutOfOrder(called(type(record)), record.time, now)
             gone = away and away & {*record.robot.tolist(), *getattr(record, "target", record.robot).tolist()}
             if gone:
                 raise InvalidInput("measurements among robots that are there", f"{self.name(min(gone))}, which has left")

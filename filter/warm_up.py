@@ -15,6 +15,7 @@ from filter.projection.window import Window
 from filter.records.frame import Frame
 from filter.records.measurements import Bearing, Compass, Measurement, Range
 from filter.records.odometry import Odometry
+from filter.records.relative import RelativeHeading
 from filter.robust.robust_filter import RobustFilter
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
@@ -62,12 +63,18 @@ def _together(filter_: SetMembershipFilter) -> None:
         [Polygon.box(place - 1, place + 1) for place in PLACES],
         AngularIntervals(HEADINGS, np.full(len(PLACES), BOUND)),
     )
-    frames = [Frame(odometry.time, odometry, records) for odometry, records in islice(_scene(), 2)]
+    told = [(odometry, [*records, _mate(odometry.time)]) for odometry, records in islice(_scene(), 2)]
+    frames = [Frame(odometry.time, odometry, records) for odometry, records in told]
     filter_.advance(filter_.start(0.0, boxes, arcs), frames)
     motions = Motions(filter_.team)
     for frame in frames:
         motions = motions.merged(frame.odometry) if frame.odometry else motions
     motions.between(DURATION / 2, 2 * DURATION)
+
+
+def _mate(time: float) -> RelativeHeading:
+    """Return how the last robot looks, as the first one sees it."""
+    return RelativeHeading(time, 0, len(PLACES) - 1, HEADINGS[-1] - HEADINGS[0], BOUND)
 
 
 def _scene() -> Iterator[tuple[Odometry, list[Measurement]]]:

@@ -13,7 +13,7 @@ from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import Run
 from experiments.real_robots.frames import Readings, truth_at
 from experiments.real_robots.motion import Motions
-from filter import Array, Bearing, Compass, Frame, Integers, Mask, Odometry, Position, Range, Team, Truth, wrap
+from filter import Array, Bearing, Compass, Frame, Integers, Mask, Odometry, Position, Range, RelativeHeading, Team, Truth, wrap
 
 LENGTHS = (0.1, 1.0, 10.0)  # of the intervals in which motion is judged [s]
 ROUNDING = 1e-9  # an error that is at its bound does not break it [m] [rad]
@@ -55,14 +55,15 @@ def sensor_errors(frames: Iterable[Frame], team: Team) -> list[Errors]:
     """Return the errors of all measurements and of the odometry since the frame before, kind by kind, where truth is known.
 
     A frame's odometry is judged by its turn alone: the way of a robot between two frames is not known to a log. Positions have
-    no error that could be told from their bound, and are left out. Errors are those against what a sensor where it is mounted
+    no error that could be told from their bound, and are left out;
+    so are mates' headings, as yet. Errors are those against what a sensor where it is mounted
     would say at the stamp; a bound is broken if the sensor's mounting and its clock do not explain it either.
     """
     rows: dict[str, list[Array]] = {}
     before: Truth | None = None
     for frame in frames:
         if frame.truth is not None:
-            for record in (each for each in frame.measurements if not isinstance(each, Position)):
+            for record in (each for each in frame.measurements if not isinstance(each, Position | RelativeHeading)):
                 rows.setdefault(type(record).__name__.lower(), []).append(_measured(record, frame.truth, team))
             if frame.odometry is not None and before is not None:
                 rows.setdefault("turn", []).append(_turned(frame.odometry, before, frame.truth))

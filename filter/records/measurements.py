@@ -25,25 +25,8 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.north import heading_from_north
 from filter.geometry.polygon import BY_HAND, Polygon
 from filter.records.radians import bearing_in_radians, heading_in_radians
-from filter.records.record import AT_THE_CENTRE, BELOW_1, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, place
-
-
-def _centre() -> Integers:
-    return CENTRE
-
-
-class _Sighting(Record):
-    """Base of records of targets: none is the robot that measures."""
-
-    robot: Integers
-    target: Integers
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        itself = self.robot[self.robot == self.target]
-        if len(itself):
-            name = type(self).__name__.lower()
-            raise InvalidInput(f"{name}: a target other than the robot that measures", f"robot {itself[0]} on itself")
+from filter.records.record import AT_THE_CENTRE, BELOW_1, CENTRE, ROBOT, SENSOR, TARGET, TIME, Record, Sighting, centre, place
+from filter.records.relative import RelativeHeading
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +48,7 @@ class Compass(Record):
     robot: Integers = field(metadata=ROBOT)
     heading: Array = field(metadata=checked(finite, "heading [rad]"))
     bound: Array = field(metadata=checked(finite, "compass bound [rad]", 0, np.pi))
-    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
+    sensor: Integers = field(default_factory=centre, metadata=SENSOR)
 
     if TYPE_CHECKING:  # numbers and sequences are taken, arrays are kept
 
@@ -96,7 +79,7 @@ class Compass(Record):
 
 
 @dataclass(frozen=True, eq=False)
-class Bearing(_Sighting):
+class Bearing(Sighting):
     """Directions to targets in the measuring robot's, or sensor's, own frame.
 
     Refused as degrees are those of more than two turns, in either sense.
@@ -116,8 +99,8 @@ class Bearing(_Sighting):
     target: Integers = field(metadata=TARGET)
     bearing: Array = field(metadata=checked(finite, "bearing [rad]"))
     bound: Array = field(metadata=checked(finite, "bearing bound [rad]", 0, np.pi))
-    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
-    target_sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
+    sensor: Integers = field(default_factory=centre, metadata=SENSOR)
+    target_sensor: Integers = field(default_factory=centre, metadata=SENSOR)
 
     if TYPE_CHECKING:
 
@@ -138,7 +121,7 @@ class Bearing(_Sighting):
 
 
 @dataclass(frozen=True, eq=False)
-class Range(_Sighting):
+class Range(Sighting):
     """Distances to targets; the true distance d gives a value within d (1 +- relative_bound) +- bound.
 
     Attributes:
@@ -158,8 +141,8 @@ class Range(_Sighting):
     range: Array = field(metadata=checked(finite, "range [m]", 0))
     bound: Array = field(metadata=checked(finite, "range bound [m]", 0))
     relative_bound: Array = field(metadata=checked(finite, "relative range bound", 0, BELOW_1))
-    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
-    target_sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
+    sensor: Integers = field(default_factory=centre, metadata=SENSOR)
+    target_sensor: Integers = field(default_factory=centre, metadata=SENSOR)
 
     if TYPE_CHECKING:
 
@@ -201,7 +184,7 @@ class Position(Record):
     normal_x: Array = field(metadata=checked(finite, "normal", -2, 2))
     normal_y: Array = field(metadata=checked(finite, "normal", -2, 2))
     offset: Array = field(metadata=checked(finite, "offset [m]"))
-    sensor: Integers = field(default_factory=_centre, metadata=SENSOR)
+    sensor: Integers = field(default_factory=centre, metadata=SENSOR)
 
     if TYPE_CHECKING:
 
@@ -260,13 +243,13 @@ class Position(Record):
         return cls(time, robot, x, y, np.nextafter(beyond / length, np.inf), sensor)
 
 
-Measurement = Compass | Bearing | Range | Position
-MEASUREMENTS = (Compass, Bearing, Range, Position)
+Measurement = Compass | Bearing | Range | Position | RelativeHeading
+MEASUREMENTS = (Compass, Bearing, Range, Position, RelativeHeading)
 
 
 def measurements_of(records: Iterable[Measurement]) -> tuple[Measurement, ...]:
     """Return records of measurements, from whatever holds them; raises `InvalidInput` if something is none."""
-    return several("records of compass, bearing, range or position", records, *MEASUREMENTS)
+    return several("records of compass, bearing, range, position or relative heading", records, *MEASUREMENTS)
 
 
 def interval_of_measured(value: Array, bound: Array, relative_bound: Array, lowest: float = -np.inf) -> tuple[Array, Array]:

@@ -22,9 +22,9 @@ def heading_in_radians(heading: Array, bound: Array) -> None:
         raise InvalidInput(expected, wrong[0].item())
 
 
-def bearing_in_radians(bearing: Array) -> None:
-    """Raise `InvalidInput` if any of (k,) bearings can only be in degrees."""
+def bearing_in_radians(bearing: Array, name: str = "bearing") -> None:
+    """Raise `InvalidInput` if any of (k,) bearings, or other angles as seen from a robot, can only be in degrees."""
     wrong = bearing[np.abs(bearing) > TWO_TURNS]
     if len(wrong):
-        expected = f"bearing [rad]: no more than two turns ({REMEDY}, wrap takes whole turns off)"
+        expected = f"{name} [rad]: no more than two turns ({REMEDY}, wrap takes whole turns off)"
         raise InvalidInput(expected, wrong[0].item())

@@ -1,5 +1,6 @@
 """The base of records: a time, and columns of numbers of one length."""
 
+import re
 from dataclasses import fields
 from typing import Any, Self
 
@@ -20,6 +21,16 @@ def _numbers(name: str, values: Floats) -> Integers:
 
 
 SENSOR = checked(_numbers, "sensor")
+
+
+def centre() -> Integers:
+    """Return the column of sensors where nothing is said."""
+    return CENTRE
+
+
+def called(kind: type) -> str:
+    """Return what a kind of records is called in words: "relative heading" for `RelativeHeading`."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()
 
 
 class Record(Frozen):
@@ -43,6 +54,21 @@ class Record(Frozen):
         record = object.__new__(cls)
         settle(record, time=time, **times, **{name: read_only(column) for name, column in columns.items()})
         return record
+
+
+class Sighting(Record):
+    """Base of records of targets: none is the robot that measures."""
+
+    robot: Integers
+    target: Integers
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        itself = self.robot[self.robot == self.target]
+        if len(itself):
+            raise InvalidInput(
+                f"{called(type(self))}: a target other than the robot that measures", f"robot {itself[0]} on itself"
+            )
 
 
 def field_names(record: Any) -> list[str]:

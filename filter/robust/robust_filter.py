@@ -15,7 +15,7 @@ from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
 from filter.records.measurements import Bearing, Compass, Measurement, Range
 from filter.records.odometry import Odometry
-from filter.records.record import AT_THE_CENTRE
+from filter.records.record import AT_THE_CENTRE, called
 from filter.robust.belief import RobustBelief
 from filter.robust.cameras import Alignment, Offsets
 from filter.robust.hypotheses import Hypotheses, reach_of
@@ -139,7 +139,7 @@ def sightings_in(measurements: Sequence[Measurement], robots: int) -> list[Sight
             least, greatest = record.interval()
             into, target, reading = ranges, record.target, (least * (1 - WIDENING), greatest * (1 + WIDENING))
         else:
-            raise InvalidInput("what the robust filter can take: compass, bearing, range", type(record).__name__.lower())
+            raise InvalidInput("what the robust filter can take: compass, bearing, range", called(type(record)))
         for robot, body, *values in zip(*(column.tolist() for column in (record.robot, target, *reading)), strict=True):
             into[robot, body].append(values)
     pairs = sorted(bearings.keys() | ranges.keys(), key=lambda pair: (pair[0] != pair[1], pair[1] < robots, pair))

@@ -21,7 +21,7 @@ from filter.linear.constraints import Constraints
 from filter.records.record import AT_THE_CENTRE
 from filter.records.sensors import Mountings
 from filter.sensing.motion import CORNERS, Displacements
-from filter.sensing.readings import Readings
+from filter.sensing.readings import ROWS, Readings
 
 # Where the corners around an arc are, in its half-width from its beginning: at both ends, and where tangents meet; and in how
 # many times its half-width from there these touch it.
@@ -53,7 +53,7 @@ class Arms(Frozen):
         if readings.mountings is None:
             return None
         robot, sensor, target, tag = _ends(readings, robots)
-        first = 0 if readings.since is None else (np.concatenate(readings.at[1:]) + 1) * robots
+        first = 0 if readings.since is None else (np.concatenate(readings.at[ROWS]) + 1) * robots
         is_robot, mate, mountings = target < robots, np.where(target < robots, target, 0), readings.mountings
         swing, drift = (np.where(is_robot, each[sensor, mate], 0.0) for each in (mountings.swing, mountings.drift))
         # A landmark has no sensor and stays, hence a way of no length, whoever's heading stands for its own.

@@ -1,4 +1,4 @@
-"""From measurements to headings: what compasses and bearings say of them."""
+"""From measurements to headings: what compasses, bearings and mates say of them."""
 
 import numpy as np
 
@@ -8,10 +8,12 @@ from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, intersection, turned
 from filter.linear.sources import Source, Sources
 from filter.records.measurements import Bearing, Compass
-from filter.sensing.readings import Readings
+from filter.sensing.readings import BEARINGS, COMPASSES, Readings
 from filter.sensing.since import Moves, Since
+from filter.sensing.ties import Ties, tie
 
 Arcs = tuple[Array, Array]  # centres and bounds
+OF_HEADINGS = ("compass", "bearing", "relative heading")  # what is measured of these
 
 
 def heading_arcs_of_compass(record: Compass) -> AngularIntervals:
@@ -26,7 +28,7 @@ def heading_arcs_of_bearing(record: Bearing, spans: AngularIntervals) -> Angular
 
 
 def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: AngularIntervals) -> AngularIntervals:
-    """Return the (n) headings after compasses, and bearings to targets whose directions are in (b) spans [rad].
+    """Return the (n) headings after compasses, bearings to targets in directions of (b) spans, and mates' headings [rad].
 
     Raises `Inconsistent` if what is known and measured of a heading is proved to have nothing in common.
     """
@@ -35,17 +37,19 @@ def narrowed_headings(headings: AngularIntervals, readings: Readings, spans: Ang
     robot = np.concatenate([compasses.robot, bearings.robot])
     arcs = AngularIntervals.of_found(*(np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound")))
     order = np.lexsort((arcs.centre, arcs.bound))  # the narrowest first
-    centre, bound = headings.centre.copy(), headings.bound.copy()
-    last = _intersect((centre, bound), (arcs.centre, arcs.bound), robot, order)
+    looks = np.stack([headings.centre, headings.bound])
+    last = _intersect((looks[0], looks[1]), (arcs.centre, arcs.bound), robot, order)
     if last >= 0:
         sources, _ = Sources().extended("compass", compasses.time, compasses.robot, sensor=compasses.sensor)
         sources, _ = sources.extended("bearing", bearings.time, bearings.robot, bearings.target, bearings.sensor)
         raise _conflict(headings, arcs, sources, order[:last], order[last])
-    return AngularIntervals.of_found(centre, bound)
+    if len(readings.relatives.robot) and (torn := tie(looks, Ties.of(readings, len(headings)))) >= 0:
+        raise _torn(readings, torn)
+    return AngularIntervals.of_found(*looks)
 
 
 def looks_at_a_glance(since: Since, readings: Readings) -> tuple[AngularIntervals, Moves]:
-    """Return what `headings_at` does from compasses and odometry alone, and where robots have gone, that looked so."""
+    """Return what `headings_at` does without bearings, and where robots have gone, that looked so."""
     looks = headings_at(since, readings, AngularIntervals.circles(len(readings.bearings.robot)))
     return looks, since.moves(looks)
 
@@ -58,8 +62,11 @@ def headings_at(since: Since, readings: Readings, spans: AngularIntervals) -> An
     compasses, bearings, robots = readings.compasses, readings.bearings, len(since.headings)
     found = heading_arcs_of_compass(compasses), heading_arcs_of_bearing(bearings, spans)
     centre, bound = (np.concatenate([getattr(each, name) for each in found]) for name in ("centre", "bound"))
-    place = np.concatenate([readings.at[0] * robots + compasses.robot, readings.at[1] * robots + bearings.robot]) + robots
+    place = np.concatenate([readings.at[COMPASSES] * robots + compasses.robot, readings.at[BEARINGS] * robots + bearings.robot])
+    place += robots
     looks = _followed((since.headings.centre, since.headings.bound), since.turns, (centre, bound), (place, np.argsort(place)))
+    if len(readings.relatives.robot):
+        tie(looks, Ties.of(readings, robots))
     nothing = np.flatnonzero(looks[1] < 0)
     if len(nothing):
         robot = int(nothing[0]) % robots
@@ -108,3 +115,11 @@ def _conflict(known: AngularIntervals, arcs: AngularIntervals, sources: Sources,
     every = AngularIntervals(np.append(known.centre[robot], arcs.centre[same]), np.append(known.bound[robot], arcs.bound[same]))
     apart = np.flatnonzero(every.intersection(arcs[np.full(len(every), last)]).empty)
     return Inconsistent(f"at {newest.time} s", [*(named[k] for k in (apart[:1] if len(apart) else range(len(named)))), newest])
+
+
+def _torn(readings: Readings, which: int) -> Inconsistent:
+    """Return the error that names what a relative heading excludes: all that is known and measured of the two headings."""
+    relatives = readings.relatives
+    two, time = (int(relatives.robot[which]), int(relatives.target[which])), relatives.time
+    said = [source for robot in two for source in readings.concerning(robot) if source.kind in OF_HEADINGS]
+    return Inconsistent(f"at {time} s", [*(Source("heading", time, robot) for robot in two), *dict.fromkeys(said)])

@@ -7,10 +7,8 @@ import numpy as np
 from filter.geometry.angles import AngularIntervals
 from filter.sensing.arms import Arms
 from filter.sensing.headings import headings_at, narrowed_headings
-from filter.sensing.readings import Readings
+from filter.sensing.readings import BEARINGS, RANGES, Readings
 from filter.sensing.since import Moves
-
-BEARINGS, RANGES = 1, 2  # places of these kinds among `Readings`
 
 
 class Look(NamedTuple):

@@ -19,8 +19,8 @@ from filter.linear.sources import Source, Sources
 from filter.sensing.arms import Arms
 from filter.sensing.cells import ByCases, Places, Told, by_cases
 from filter.sensing.headings import narrowed_headings
-from filter.sensing.looks import BEARINGS, RANGES, Look, narrowed_by_bearings
-from filter.sensing.readings import Readings
+from filter.sensing.looks import Look, narrowed_by_bearings
+from filter.sensing.readings import BEARINGS, RANGES, Readings
 from filter.sensing.rows import as_of_now, bearing_rows, on_robots, position_rows, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
 from filter.sensing.split import WORTH_A_SLICE

@@ -8,11 +8,20 @@ import numpy as np
 from filter.arrays import Array, Integers, read_only
 from filter.linear.sources import NOBODY, Kind, Source, Sources
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
-from filter.records.record import AT_THE_CENTRE, field_names
+from filter.records.record import AT_THE_CENTRE, CENTRE, Sighting, field_names
+from filter.records.relative import RelativeHeading
 from filter.records.sensors import Mountings
 from filter.sensing.since import Moves, Since
 
-KIND_OF: dict[type[Measurement], Kind] = {Compass: "compass", Bearing: "bearing", Range: "range", Position: "position"}
+KIND_OF: dict[type[Measurement], Kind] = {
+    Compass: "compass",
+    Bearing: "bearing",
+    Range: "range",
+    Position: "position",
+    RelativeHeading: "relative heading",
+}
+COMPASSES, BEARINGS, RANGES, POSITIONS, RELATIVES = range(len(KIND_OF))  # places of the kinds among `Readings`
+ROWS = slice(BEARINGS, RELATIVES)  # of those that make rows
 WHO = ("robot", "target", "sensor", "target_sensor")
 AT = "at"  # the column of instants
 NO_VALUES = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
@@ -28,7 +37,8 @@ class Readings(NamedTuple):
         bearings: (b)
         ranges: (r)
         positions: (p) half-planes
-        at: Of which instant each is, for each of the four kinds; zeros if there is but one.
+        relatives: (h) headings of mates
+        at: Of which instant each is, for each of the five kinds; zeros if there is but one.
         since: How robots have moved from one instant to the next; None if there is but one.
         moves: Where they have gone, as compasses and odometry alone tell; None if there is but one.
         mountings: Of the sensors that measure; None if all of them, but for compasses, are at the centres of robots.
@@ -38,7 +48,8 @@ class Readings(NamedTuple):
     bearings: Bearing
     ranges: Range
     positions: Position
-    at: tuple[Integers, Integers, Integers, Integers]
+    relatives: RelativeHeading
+    at: tuple[Integers, ...]
     since: Since | None = None
     moves: Moves | None = None
     mountings: Mountings | None = None
@@ -53,28 +64,27 @@ class Readings(NamedTuple):
     ) -> "Readings":
         """Return measurements that were taken at one time [s], or at instants up to it.
 
-        Compasses and bearings of sensors that do not look forward are turned, and made wider, to be as of robots' forward axes.
+        Angles by or of sensors that do not look forward are turned, and made wider, to be as of robots' forward axes.
         """
         stamps = np.array([time]) if since is None else since.stamps
         found = [_sorted(kind, time, measurements, stamps) for kind in KIND_OF]
-        compasses, bearings, ranges, positions = (record for record, _ in found)
-        first, second, third, fourth = (at for _, at in found)
-        at = (first, second, third, fourth)
+        compasses, bearings, ranges, positions, relatives = (record for record, _ in found)
+        at = tuple(at for _, at in found)
         if mountings is None:
-            return cls(compasses, bearings, ranges, positions, at, since)
-        compasses, bearings = (_looking_forward(record, mountings) for record in (compasses, bearings))
+            return cls(compasses, bearings, ranges, positions, relatives, at, since)
+        compasses, bearings, relatives = (_looking_forward(record, mountings) for record in (compasses, bearings, relatives))
         of_pairs = (column for each in (bearings, ranges) for column in (each.sensor, each.target_sensor))
         off = any(mountings.spot[column].any() for column in (*of_pairs, positions.sensor))
-        return cls(compasses, bearings, ranges, positions, at, since, None, mountings if off else None)
+        return cls(compasses, bearings, ranges, positions, relatives, at, since, None, mountings if off else None)
 
     @property
     def records(self) -> tuple[Measurement, ...]:
-        """The four records."""
-        return self.compasses, self.bearings, self.ranges, self.positions
+        """The five records."""
+        return self.compasses, self.bearings, self.ranges, self.positions, self.relatives
 
     @property
     def times(self) -> tuple[Array, ...]:
-        """When each of them was taken, for each of the four kinds [s]."""
+        """When each of them was taken, for each of the five kinds [s]."""
         stamps = np.array([self.compasses.time]) if self.since is None else self.since.stamps
         return tuple(stamps[at] for at in self.at)
 
@@ -82,7 +92,7 @@ class Readings(NamedTuple):
         """Enter what makes rows in a table; return it and numbers (b + r + p + n,) of these, and of the cells of n robots."""
         measured = [
             Sources.of(KIND_OF[type(record)], time, record.robot, targets_of(record), record.sensor)
-            for record, time in zip(self.records[1:], self.times[1:], strict=True)
+            for record, time in zip(self.records[ROWS], self.times[ROWS], strict=True)
         ]
         table = Sources.concatenate([sources, *measured, Sources.of("cells", self.ranges.time, np.arange(robots))])
         return table, np.arange(len(sources), len(table))
@@ -104,7 +114,7 @@ class Readings(NamedTuple):
 
     def tie_robots(self, robots: int) -> bool:
         """Return whether one of n robots measured another."""
-        return bool((self.bearings.target < robots).any() or (self.ranges.target < robots).any())
+        return any(bool((each.target < robots).any()) for each in (self.bearings, self.ranges, self.relatives))
 
     def concerning(self, robot: int) -> list[Source]:
         """Return all readings by a robot, or of it."""
@@ -118,7 +128,7 @@ class Readings(NamedTuple):
 
 def targets_of(record: Measurement) -> Integers:
     """Return (k,) the targets that are measured, NOBODY for what is of the robot alone."""
-    return record.target if isinstance(record, Bearing | Range) else np.full(len(record.robot), NOBODY)
+    return record.target if isinstance(record, Sighting) else np.full(len(record.robot), NOBODY)
 
 
 def _sorted(kind: type[Measurement], time: float, measurements: Sequence[Measurement], stamps: Array) -> tuple[Any, Integers]:
@@ -129,14 +139,18 @@ def _sorted(kind: type[Measurement], time: float, measurements: Sequence[Measure
 
 
 def _looking_forward(record: Any, mountings: Mountings) -> Any:
-    """Return compasses or bearings of sensors as those of robots' forward axes, at the stamps."""
-    if (record.sensor == AT_THE_CENTRE).all():
+    """Return compasses, bearings or relative headings of sensors as those of robots' forward axes, at the stamps."""
+    tag = record.target_sensor if isinstance(record, RelativeHeading) else CENTRE
+    if (record.sensor == AT_THE_CENTRE).all() and (tag == AT_THE_CENTRE).all():
         return record
-    angle, off = mountings.angle[record.sensor], mountings.angle_bound[record.sensor]
+    angle, off = mountings.angle[record.sensor], mountings.angle_bound[record.sensor] + mountings.angle_bound[tag]
     bound = record.bound + off + mountings.swing[record.sensor, record.robot]
-    name, sign = ("heading", -1.0) if isinstance(record, Compass) else ("bearing", 1.0)
+    if isinstance(record, RelativeHeading):
+        bound += mountings.swing[record.sensor, record.target]
+    name, sign = ("bearing", 1.0) if isinstance(record, Bearing) else ("heading", -1.0 if isinstance(record, Compass) else 1.0)
     columns = {each: getattr(record, each) for each in field_names(record)}
-    return type(record).of_checked(record.time, columns | {name: columns[name] + sign * angle, "bound": bound})
+    turned = columns[name] + sign * angle - mountings.angle[tag]
+    return type(record).of_checked(record.time, columns | {name: turned, "bound": bound})
 
 
 def _columns(kind: type[Measurement], records: Sequence[Any], stamps: Array) -> dict[str, Any]:

@@ -5,7 +5,7 @@ import pytest
 from helpers.teams import begun
 from helpers.worlds import World
 
-from filter import Bearing, Compass, Position, Range
+from filter import Bearing, Compass, Position, Range, RelativeHeading
 from filter.linear.sources import Source, Sources
 from filter.records.record import field_names
 from filter.sensing.readings import KIND_OF, Readings
@@ -49,9 +49,9 @@ def test_what_differs_in_any_column_stays():
     assert len(Readings.of(0.0, records * 3).ranges.robot) == 4
 
 
-def test_bearings_ranges_and_cells_are_entered_in_order_and_compasses_are_not():
+def test_bearings_ranges_and_cells_are_entered_in_order_and_what_is_of_headings_is_not():
     records = [Compass(1.0, [0, 1], [0.1, 0.2], 0.1), Range(1.0, [1, 0], [0, 2], 1.0, 0.1, 0), Bearing(1.0, 0, 1, 0.3, 0.1)]
-    records += [Position.half_plane(1.0, 1, [1, 0], 2.0)]
+    records += [Position.half_plane(1.0, 1, [1, 0], 2.0), RelativeHeading(1.0, 0, 1, 0.1, 0.1)]
     before, _ = Sources().extended("initial set", 0.0, [0, 1])
     table, numbers = Readings.of(1.0, records).numbered(before, 2)
     expected = [
@@ -63,7 +63,7 @@ def test_bearings_ranges_and_cells_are_entered_in_order_and_compasses_are_not():
         ("cells", 1, None),
     ]
     assert [table[k] for k in numbers] == [Source(kind, 1.0, robot, target) for kind, robot, target in expected]
-    assert set(KIND_OF) == {Compass, Bearing, Range, Position}
+    assert set(KIND_OF) == {Compass, Bearing, Range, Position, RelativeHeading}
 
 
 def test_who_is_concerned_is_who_measured_and_who_was_measured():
@@ -75,6 +75,6 @@ def test_who_is_concerned_is_who_measured_and_who_was_measured():
 
 def test_no_record_is_no_reading():
     nothing = Readings.of(0.0, [])
-    assert [len(record.robot) for record in nothing.records] == [0, 0, 0, 0]
+    assert [len(record.robot) for record in nothing.records] == [0, 0, 0, 0, 0]
     assert not nothing.tie_robots(3)
     assert nothing.ranges.robot.dtype == np.int64

@@ -1,4 +1,4 @@
 """What sensors say, how robots moved, and what one instant gives. What is public is at `filter`.
 
-Read the modules in this order: record, sensors, radians, measurements, odometry, presence, frame.
+Read the modules in this order: record, sensors, radians, measurements, differences, odometry, presence, frame.
 """

@@ -21,6 +21,7 @@ from filter.motions import Motions
 from filter.projection.fallback import Fallback
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
+from filter.records.differences import position_from_range_difference
 from filter.records.frame import Frame, Truth
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.odometry import Odometry, Twist
@@ -48,7 +49,7 @@ __all__ = ["Bearing", "Compass", "Frame", "Measurement", "Odometry", "Position",
 __all__ += ["RelativeHeading", "Truth", "Twist", "seen_position"]
 __all__ += ["Arrival", "Left", "Motions", "Placed", "frames_of"]
 __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon", "heading_from_north"]
-__all__ += ["place_from_north", "wrap"]
+__all__ += ["place_from_north", "position_from_range_difference", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]
 __all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]

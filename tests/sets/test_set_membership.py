@@ -36,7 +36,11 @@ BAD_UPDATES = {
     "negative bound": (lambda: [Compass(0, 0, 0, -0.1)], InvalidInput, r"compass bound \[rad\]: .*; came -0\.1"),
     "wide bound": (lambda: [Bearing(0, 0, 1, 0, 4.0)], InvalidInput, r"bearing bound \[rad\]: .*; came 4\.0"),
     "good before bad": (lambda: [Compass(0, 0, 0, 0.1), Compass(0, 7, 0, 0.1)], InvalidInput, "came robot 7"),
-    "motion": (lambda: [odometry(0, 0)], InvalidInput, "records of compass, bearing, range, position or relative heading; came Odometry"),
+    "motion": (
+        lambda: [odometry(0, 0)],
+        InvalidInput,
+        "position or relative heading; came Odometry",
+    ),
 }
 
 

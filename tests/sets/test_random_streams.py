@@ -9,7 +9,7 @@ from helpers.drawn.streams import RandomStream
 from filter import SetMembershipFilter, follow, frames_of
 
 
-@pytest.mark.parametrize("seed", range(int(os.environ.get("STREAMS", "25"))))
+@pytest.mark.parametrize("seed", range(int(os.environ.get("STREAMS", "12"))))
 def test_the_truth_is_inside_whatever_a_stream_is_like(seed):
     rng = np.random.default_rng(seed)
     stream = RandomStream(rng)

@@ -10,7 +10,9 @@ there, once, and not on each level on the way, as numba does by itself.
 or one array that it has made, and writes whatever else it finds into arrays that its caller has made. For numba calls Python to
 hand out an array or a named tuple, and there a signal's handler may raise: the exception is then lost, or the process crashes.
 Among themselves compiled functions are free. Arrays go into a part of another by `put` or by loops, not by a slice: once a
-process and once more for each array, numba would take seconds to compile the words of the error for shapes that differ.
+process and once more for each array, numba would take seconds to compile the words of the error for shapes that differ. Sums,
+the least and the greatest are those below, not numpy's, and numbers are rounded by `rint`: with what numba has of numpy's own
+arithmetic, loading would import scipy's linear algebra, which takes longer than all else.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ from numba.core import event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.misc.appdirs import user_cache_dir
 
 from filter.workers import spread
@@ -88,9 +91,13 @@ class _Kept:
         self._cache, self.cache_path = cache, cache.cache_path
 
     def load_overload(self, types: tuple[Any, ...], target: Any) -> Any:
-        """Return what is kept for arguments of such types, or None; numba calls this."""
+        """Return what is kept for arguments of such types, or None; numba calls this.
+
+        Numba's own way would first import all that it can compile, which takes half a second; to load, its memory is enough.
+        """
         try:
-            kept = self._cache.load_overload(types, target)
+            rtsys.initialize(target)
+            kept = self._cache._load_overload(types, target)
         except Exception:  # whatever unpickling a file raises that was cut off
             with suppress(OSError):
                 self._cache.flush()
@@ -193,3 +200,31 @@ def put(values: Any, into: Any) -> None:
     """Write values (k,) into the beginning of a row."""
     for k in range(len(values)):
         into[k] = values[k]
+
+
+@compiled
+def sum_of(values: Any) -> Any:
+    """Return the sum of values (k,), added up in their order."""
+    found = 0
+    for value in values:
+        found += value
+    return found
+
+
+@compiled
+def place_of_least(values: Any) -> int:
+    """Return the place of the least of values (k,), and of the first of several."""
+    place = 0
+    for k in range(1, len(values)):
+        if values[k] < values[place]:
+            place = k
+    return place
+
+
+@compiled
+def bounds_of(values: Any) -> tuple[float, float]:
+    """Return the least and the greatest of values (k,), one at least."""
+    least = greatest = values[0]
+    for value in values:
+        least, greatest = min(least, value), max(greatest, value)
+    return least, greatest

@@ -3,7 +3,7 @@
 import numpy as np
 
 from filter.arrays import Array
-from filter.compiled import compiled, put
+from filter.compiled import compiled, put, sum_of
 
 COLUMNS = 11  # of a part: see `filter.motions.Motions`
 RESULT = 7  # columns of odometry: distance, its bound, turn, its bound, bounds of direction and slip, aside
@@ -136,15 +136,15 @@ def _sum(pieces: Array, found: Array) -> None:
     mean, cone = _about_the_mean(pieces, angle, off, x, y), _within_a_cone(pieces, angle, off)
     size = np.abs(pieces[:, 0]) + pieces[:, 1]
     best = mean if mean[5] <= cone[5] else cone
-    if best[5] < size.sum():
+    if best[5] < sum_of(size):
         found[0], found[1], found[4], found[5], found[6] = best[0], best[1], best[2], best[3] + slip, best[4] - turn / 2
         found[4] = max(0.0, found[4] - turned / 2)  # which odometry has in its direction by itself
     else:
-        found[0], found[1], found[4], found[5], found[6] = 0.0, 0.0, 0.0, size.sum() + slip, 0.0
-    found[6] -= 2 * np.pi * np.round(found[6] / (2 * np.pi))
-    found[1] += OF_SUMS * size.sum()
+        found[0], found[1], found[4], found[5], found[6] = 0.0, 0.0, 0.0, sum_of(size) + slip, 0.0
+    found[6] -= 2 * np.pi * np.rint(found[6] / (2 * np.pi))
+    found[1] += OF_SUMS * sum_of(size)
     found[4] += OF_SUMS
-    found[5] += OF_SUMS * (size.sum() + slip)
+    found[5] += OF_SUMS * (sum_of(size) + slip)
 
 
 @compiled

@@ -187,7 +187,7 @@ def intersection(centre: float, bound: float, other_centre: float, other_bound: 
     if other_bound < bound:
         centre, bound, other_centre, other_bound = other_centre, other_bound, centre, bound
     offset = other_centre - centre  # within two whole turns, as centres are wrapped
-    offset -= 2 * np.pi * np.round(offset / (2 * np.pi))
+    offset -= 2 * np.pi * np.rint(offset / (2 * np.pi))
     low, high = np.inf, -np.inf
     for turn in range(-1, 2):  # the wider arc may reach into the narrower one from either side
         piece_low = max(-bound, offset + 2 * np.pi * turn - other_bound - ANGLE_ROUNDING)

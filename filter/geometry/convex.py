@@ -6,7 +6,7 @@ Vertices are (e, 2), counter-clockwise; edge k begins at vertex k.
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled, put
+from filter.compiled import compiled, put, sum_of
 
 EPSILON = float(np.finfo(float).eps)
 SMALLEST = 1e-100  # what is divided by is never smaller
@@ -127,7 +127,7 @@ def area_of(vertices: Array) -> float:
 def centroid_of(vertices: Array) -> tuple[float, float]:
     """Return the centre of mass; of a polygon without area, the middle of its vertices."""
     count = len(vertices)
-    middle_x, middle_y = vertices[:, 0].mean(), vertices[:, 1].mean()
+    middle_x, middle_y = sum_of(vertices[:, 0]) / count, sum_of(vertices[:, 1]) / count
     total, size, moment_x, moment_y = 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         x0, y0 = vertices[k, 0] - middle_x, vertices[k, 1] - middle_y

@@ -3,7 +3,7 @@
 import numpy as np
 
 from filter.arrays import Array, Mask
-from filter.compiled import compiled
+from filter.compiled import compiled, sum_of
 from filter.geometry.convex import cross
 
 
@@ -37,7 +37,7 @@ def _worth_keeping(
     """Return which edges, or vertices, to keep, and how much area the others change; those go first that change little."""
     count = len(rows)
     keep, before, after = np.ones(count, dtype=np.bool_), np.arange(-1, count - 1), np.arange(1, count + 1)
-    left, spent = removable.sum(), 0.0
+    left, spent = sum_of(removable), 0.0
     if left <= fewest:
         return keep, spent
     before[0], after[count - 1] = count - 1, 0

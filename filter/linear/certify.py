@@ -7,7 +7,7 @@ its normal as a combination of theirs. So sides of boxes around polygons are pro
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled
+from filter.compiled import compiled, sum_of
 from filter.geometry.convex import EPSILON
 from filter.linear.constraints import WORLD, Columns
 
@@ -72,7 +72,7 @@ def certified(i: int, j: int, normal: Array, prices: Array, number: Integers, me
         total += abs(residual[at]) * radius[at]
         doubt += operations * size[at] * radius[at]
     doubt += 16 * EPSILON * (reach + abs(total))
-    return (along + total) + doubt * (1 + 1e-9) + UNDERFLOW * (1 + radius.sum())
+    return (along + total) + doubt * (1 + 1e-9) + UNDERFLOW * (1 + sum_of(radius))
 
 
 @compiled

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask
-from filter.compiled import compiled
+from filter.compiled import compiled, place_of_least
 
 # Rows are moved outward by up to twice this [share of the box], each by another amount, so that no two vertices coincide.
 OUTWARD = 1e-10
@@ -185,7 +185,7 @@ def become_feasible(rows: Rows, basis: Basis, prices: Array, limit: int) -> tupl
     """
     weights, rates = np.empty(len(prices)), np.empty(len(rows.offset))
     for count in range(limit):
-        entering = int(np.argmin(basis.slack))
+        entering = place_of_least(basis.slack)
         if basis.slack[entering] >= -VIOLATED:
             return FOUND, -1
         combination(rows, basis, entering, weights)

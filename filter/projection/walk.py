@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled, put
+from filter.compiled import compiled, put, sum_of
 from filter.geometry.convex import EPSILON, SMALLEST, clip_box, line_behind
 from filter.geometry.many import Groups
 from filter.linear.certify import WORTHLESS, Boxes, Members, certified
@@ -202,7 +202,7 @@ def edges_of(
                 rows[at, m], prices[at, m] = program.number[basic], trace.prices[k, m] / (length * program.size[basic])
         offsets[at] = certified(i, j, normals[at], prices[at], rows[at], where, task.team)
         # A region's loose edge is for a solver to better; a pair's is cut by the rows that it had.
-        if i == WORLD and not is_tight(plane, seen[k], normals[at], offsets[at], prices[at].sum()):
+        if i == WORLD and not is_tight(plane, seen[k], normals[at], offsets[at], sum_of(prices[at])):
             how = LOST
     return how, Edges(normals, offsets, rows, prices, why)
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Integers
-from filter.compiled import compiled, put
+from filter.compiled import bounds_of, compiled, place_of_least, put, sum_of
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.simplify import edges_worth_keeping
@@ -69,7 +69,7 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
     It is in a polygon (v, 2), or no farther than a margin beyond it [m], with a heading in an arc (2,), centre and bound [rad],
     which is narrowed in place.
     """
-    largest = max(np.abs(start).max(), np.abs(said.points).max())
+    largest = max(_largest(start), _largest(said.points))
     most = len(tree.child) // 2
     rounding = 8 * EPSILON * largest * most * cuts_at_most(said)  # each cut makes vertices from those that one before has made
     scale = Scale(largest, margin + rounding, np.empty((CELL_CORNERS + 2, 2)))
@@ -90,7 +90,7 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
     for nodes in range(1, len(tree.child) - 1, 2):
         if not 0 < left.alive[0] < most:
             break
-        k = int(np.argmax(left.split[: left.alive[0], 0]))
+        k = place_of_least(-left.split[: left.alive[0], 0])
         if left.split[k, 0] <= TOLERANCE:
             break
         for m in range(3):
@@ -156,9 +156,18 @@ def _hull_of_arcs(heading: Array, arcs: Array) -> None:
 
 
 @compiled
+def _largest(points: Array) -> float:
+    """Return the largest coordinate of points (k, 2), by its size."""
+    largest = 0.0
+    for k in range(len(points)):
+        largest = max(largest, abs(points[k, 0]), abs(points[k, 1]))
+    return largest
+
+
+@compiled
 def _outline(left: Pieces, margin: float) -> Array:
     """Return half-planes (k, 4) around all pieces (see `branch`)."""
-    corners, count = np.empty((left.size[: left.alive[0]].sum(), 2)), 0
+    corners, count = np.empty((sum_of(left.size[: left.alive[0]]), 2)), 0
     for k in range(left.alive[0]):
         for m in range(left.size[k]):
             corners[count, 0], corners[count, 1] = left.corners[k, m, 0], left.corners[k, m, 1]
@@ -168,7 +177,8 @@ def _outline(left: Pieces, margin: float) -> Array:
     hull = hull_of(corners)
     edges = len(hull) if len(hull) > 2 else 4
     lines, level, all_of_them = np.empty((edges, 4)), np.empty(edges), np.ones(edges, dtype=np.bool_)
-    x, y, size = hull[:, 0].mean(), hull[:, 1].mean(), np.ptp(hull[:, 0]) + np.ptp(hull[:, 1])
+    x, y = sum_of(hull[:, 0]) / len(hull), sum_of(hull[:, 1]) / len(hull)
+    (west, east), (south, north) = bounds_of(hull[:, 0]), bounds_of(hull[:, 1])
     for k in range(edges):
         angle = k * np.pi / 2
         if edges == len(hull):
@@ -180,7 +190,7 @@ def _outline(left: Pieces, margin: float) -> Array:
         level[k] = lines[k, 2] - lines[k, 0] * x - lines[k, 1] * y
         # Or it would almost coincide with a reading's; and arithmetic that rounds otherwise can prove it again, like the arc of
         # headings, which is wider by `WIDENING`.
-        lines[k, 2] += 2 * margin + APART * size
+        lines[k, 2] += 2 * margin + APART * ((east - west) + (north - south))
     keep, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(HULL_EDGES), 0.0)
     lines, level, all_of_them = lines[keep], level[keep], all_of_them[keep]
     few, _ = edges_worth_keeping(lines[:, :2].copy(), level, all_of_them, np.int64(FEW_EDGES), -1.0)

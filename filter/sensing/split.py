@@ -3,7 +3,7 @@
 import numpy as np
 
 from filter.arrays import Array
-from filter.compiled import compiled
+from filter.compiled import bounds_of, compiled, sum_of
 from filter.geometry.angles import intersection
 from filter.sensing.cell import Line, Pose, Said, Scale, nearest_of
 from filter.sensing.cone import directions, wrapped
@@ -48,7 +48,7 @@ def where_to_split(pose: Pose, size: int, said: Said, scale: Scale) -> tuple[flo
 @compiled
 def _middle(points: Array) -> tuple[float, float, float]:
     """Return the middle of points, and twice how far they are from it at most [m]."""
-    x, y, extent = points[:, 0].mean(), points[:, 1].mean(), 0.0
+    x, y, extent = sum_of(points[:, 0]) / len(points), sum_of(points[:, 1]) / len(points), 0.0
     for t in range(len(points)):
         extent = max(extent, 2 * np.hypot(points[t, 0] - x, points[t, 1] - y))
     return x, y, extent
@@ -68,11 +68,10 @@ def _width(cell: Array, size: int, direction: float) -> float:
 def _line(cell: Array, size: int, arc: tuple[float, float], point: tuple[float, float]) -> Line:
     """Return a line through a point, in the middle of an arc or across the longer side; if that misses the cell, its middle."""
     (centre, bound), (x, y) = arc, point
-    extent = np.array([np.ptp(cell[:size, 0]), np.ptp(cell[:size, 1])])
+    (west, east), (south, north) = bounds_of(cell[:size, 0]), bounds_of(cell[:size, 1])
     a, b = -np.sin(centre), np.cos(centre)
     if bound > HALF_A_CIRCLE:  # the point is within the cell, and the arc has no middle
-        a, b = (1.0, 0.0) if extent[0] >= extent[1] else (0.0, 1.0)
-    along = a * cell[:size, 0] + b * cell[:size, 1]
-    low, high, through = along.min(), along.max(), a * x + b * y
+        a, b = (1.0, 0.0) if east - west >= north - south else (0.0, 1.0)
+    (low, high), through = bounds_of(a * cell[:size, 0] + b * cell[:size, 1]), a * x + b * y
     hair = OFF_THE_EDGE * (high - low)
     return a, b, through if low + hair < through < high - hair else (low + high) / 2

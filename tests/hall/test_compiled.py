@@ -187,7 +187,7 @@ def test_a_form_for_other_arguments_is_not_taken():
     class Mixed:
         cache_path = "nowhere"
 
-        def load_overload(self, *_):
+        def _load_overload(self, *_):
             return area_of.overloads[area_of.signatures[0]]
 
     area_of(np.zeros((3, 2)))

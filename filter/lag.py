@@ -1,9 +1,9 @@
 """Records that come late, up to a fixed lag, are merged as if they had come in order. Any filter can."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any, Generic
 
 import numpy as np
@@ -19,6 +19,8 @@ from filter.records.presence import Change, Left, Placed
 from filter.records.record import called
 from filter.stream import ARRIVALS, Arrival
 from filter.team import Team
+
+Said = tuple[float, Sequence[Measurement], Sequence[Change]]  # at one time [s]
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,7 @@ class FixedLag(Frozen, Generic[AnyBelief]):
         strays = [frame for frame in instants if frame.time not in {each.time for each in kept}]
         anew = None if kept else self._restarted(lagged, first, strays[0].time)
         begin = anew or lagged
-        steps = self._redone(begin, 1 if anew else first, _by_time(strays if anew else kept))
+        steps = self._redone(begin, 1 if anew else first, strays if anew else kept)
         late = lagged.late + _count([frame for frame in kept if frame.time < newest])
         events = (Mistimed(newest, strays[0].time, _count(strays), anew is not None),) if strays else ()
         # The last one before the lag stays, too: a late one would begin with it.
@@ -183,32 +185,31 @@ class FixedLag(Frozen, Generic[AnyBelief]):
         known = self._redone(lagged, first)[-1].belief
         return self.begin(self.restart(known, stray))
 
-    def _redone(
-        self, known: Lagged[AnyBelief], first: int, more: Mapping[float, Frame] | None = None
-    ) -> tuple[Step[AnyBelief], ...]:
-        """Return the steps with more instants, by time, put in where they belong.
+    def _redone(self, known: Lagged[AnyBelief], first: int, more: Sequence[Frame] = ()) -> tuple[Step[AnyBelief], ...]:
+        """Return the steps with more instants, in order of time, put in where they belong.
 
         All since then, and at least from the first one on, is done again.
         """
-        steps, new = known.steps, more or {}
-        if new:
-            first = min(first, max(1, sum(step.belief.time < min(new) for step in steps)))
+        steps = known.steps
+        if more:
+            first = min(first, max(1, sum(step.belief.time < more[0].time for step in steps)))
         elif first == len(steps):
             return steps
-        if self._goes_on(steps, first, new):
+        if more and self._goes_on(steps, first, more[0].time):
             first -= 1
-        at = _by_time([*(instant for step in steps[first:] for instant in _instants(step)), *new.values()])
-        begin, frames = steps[first - 1].belief, []
+        at = _by_time(chain(chain.from_iterable(map(_said_by, steps[first:])), map(_said_in, more)))
+        begin, frames = steps[first - 1].belief, list[Frame]()
         motion = self.motion or (known.motions.between if known.motions else None)
         for before, time in pairwise([begin.time, *sorted(at)]):
-            frames.append(replace(at[time], odometry=motion(before, time) if motion and before < time else None))
+            measurements, changes = at[time]
+            frames.append(Frame(time, motion(before, time) if motion and before < time else None, measurements, None, changes))
         return (*steps[:first], *follow(self.inner, begin, frames, every=self.every))
 
-    def _goes_on(self, steps: Sequence[Step[AnyBelief]], first: int, new: Mapping[float, Frame]) -> bool:
-        """Return whether what is new comes after the newest step, but so soon that it belongs to it."""
+    def _goes_on(self, steps: Sequence[Step[AnyBelief]], first: int, time: float) -> bool:
+        """Return whether what is new at a time [s] comes after the newest step, but so soon that it belongs to it."""
         if not self.every or first < len(steps) or len(steps) == 1:
             return False
-        return min(new) - steps[-2].belief.time < (1 - AS_LONG) * self.every
+        return time - steps[-2].belief.time < (1 - AS_LONG) * self.every
 
 
 def _apart(records: Sequence[Arrival]) -> tuple[list[Odometry | Twist], list[Frame]]:
@@ -242,18 +243,24 @@ def _instant(record: Measurement | Change) -> Frame:
     return Frame(record.time, measurements=(record,))
 
 
-def _instants(step: Step[AnyBelief]) -> list[Frame]:
-    """Return what a step was given, by its own stamps; the step's own time is one of them."""
-    return [*map(_instant, (*step.frame.changes, *step.frame.measurements)), Frame(step.frame.time)]
+def _said_by(step: Step[AnyBelief]) -> Iterator[Said]:
+    """Yield what a step was given, each at its own stamp; the step's own time is one of them."""
+    yield step.frame.time, (), ()
+    yield from ((record.time, (record,), ()) for record in step.frame.measurements)
+    yield from ((change.time, (), (change,)) for change in step.frame.changes)
 
 
-def _by_time(instants: Sequence[Frame]) -> dict[float, Frame]:
-    """Return instants by their times; those of one time are one."""
-    found = dict[float, Frame]()
-    for frame in instants:
-        known = found.get(frame.time, Frame(frame.time))
-        measurements, changes = (*known.measurements, *frame.measurements), (*known.changes, *frame.changes)
-        found[frame.time] = Frame(frame.time, measurements=measurements, changes=changes)
+def _said_in(frame: Frame) -> Said:
+    return frame.time, frame.measurements, frame.changes
+
+
+def _by_time(said: Iterable[Said]) -> dict[float, tuple[list[Measurement], list[Change]]]:
+    """Return what was measured and who was placed or left, by the time."""
+    found = dict[float, tuple[list[Measurement], list[Change]]]()
+    for time, records, placed in said:
+        measurements, changes = found.setdefault(time, ([], []))
+        measurements += records
+        changes += placed
     return found
 
 

@@ -63,7 +63,8 @@ class _Stream:
         for record in arrivals:
             self._take(record)
             self._newest = max(self._newest, record.time)
-            yield from self._ended(self._newest - self._hold)
+            if self._times and self._times[0] < self._newest - self._hold:
+                yield from self._ended(self._newest - self._hold)
         yield from self._ended(np.inf)
 
     def _take(self, record: Arrival) -> None:

@@ -64,7 +64,7 @@ class Onlooker:
                 if self._waiting.empty():
                     stream.flush(timeout_sec=PATIENCE)
         except RuntimeError:
-            self.gone = True
             tell("the viewer does not receive any more: the run goes on without it")
+            self.gone = True
             Event().wait()  # to let go of the stream would be to wait for the viewer
         stream.disconnect()

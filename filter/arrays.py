@@ -35,14 +35,13 @@ def read_only(values: NDArray[Any]) -> NDArray[Any]:
     if flags.owndata and not flags.writeable:
         return values
     owned = values if flags.owndata else values.copy()
-    owned.flags.writeable = False
+    owned.setflags(write=False)
     return owned
 
 
 def settle(record: object, **checked: Any) -> None:
     """Set fields of a frozen record to their checked values."""
-    for name, value in checked.items():
-        object.__setattr__(record, name, value)
+    vars(record).update(checked)
 
 
 class Frozen:
@@ -218,6 +217,8 @@ def finite(name: str, values: Floats, low: float = -np.inf, high: float = np.inf
 
 def number(name: str, value: Any, low: float = -np.inf, high: float = np.inf) -> float:
     """Return one finite number within [low, high] as a float."""
+    if type(value) is float and max(low, -LARGEST) <= value <= min(high, LARGEST):
+        return value
     return float(_alone(f"{name}: one number", finite(name, value, low, high), value))
 
 

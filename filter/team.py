@@ -15,7 +15,6 @@ from filter.arrays import (
     Array,
     Floats,
     Frozen,
-    Integers,
     checked,
     finite,
     floats,
@@ -160,6 +159,10 @@ class Team(Frozen):
         return read_only(np.stack([getattr(self, limit) for limit in LIMITS], axis=1))
 
     @cached_property
+    def _fastest(self) -> float:
+        return float(self.limits[:, :2].max())
+
+    @cached_property
     def mounted(self) -> Mountings:
         """How the sensors are mounted, by their numbers, of which -1 is at the centre."""
         return Mountings.of(self.sensors, self.speed_limit, self.turn_rate_limit)
@@ -173,9 +176,11 @@ class Team(Frozen):
         """Raise `InvalidInput` when it is no record, or names a robot, a target or a sensor that the team does not have."""
         instance("a record", record, *MEASUREMENTS, Odometry, Twist)
         marks = 0 if isinstance(record, RelativeHeading) else len(self.landmarks)
-        for role, count in (("robot", self.robots), ("target", self.robots + marks)):
-            named = getattr(record, role, record.robot)
-            if _largest(named) >= count:
+        for role, greatest, count in zip(
+            ("robot", "target"), record.greatest, (self.robots, self.robots + marks), strict=False
+        ):
+            if greatest >= count:
+                named = getattr(record, role)
                 raise InvalidInput(f"a {role} among {self._known(role, marks)}", f"{role} {named[named >= count][0]}")
         if not isinstance(record, Odometry | Twist):
             self._check_sensors(record)
@@ -186,15 +191,13 @@ class Team(Frozen):
         return f"robots 0 to {robots - 1}" + landmarks * (role == "target")
 
     def _check_sensors(self, record: Measurement) -> None:
-        count, tags = len(self.sensors), getattr(record, "target_sensor", record.sensor)
-        tagged = _largest(tags)
-        largest = max(_largest(record.sensor), tagged)
-        if largest >= count:
+        count, (sensor, tagged) = len(self.sensors), record.greatest[2:]
+        if max(sensor, tagged) >= count:
             known = f"0 to {count - 1}, or -1" if count else "none, hence -1"
-            raise InvalidInput(f"a sensor among the team's, {known} for the centre", largest)
+            raise InvalidInput(f"a sensor among the team's, {known} for the centre", max(sensor, tagged))
         if not isinstance(record, Bearing | Range) or tagged == AT_THE_CENTRE:
             return
-        if (tags[record.target >= self.robots] != AT_THE_CENTRE).any():
+        if (record.target_sensor[record.target >= self.robots] != AT_THE_CENTRE).any():
             raise InvalidInput("a target_sensor on a robot: landmarks are where they are", "one on a landmark")
 
     def checked_change(self, change: Change, belief_time: float | None = None) -> Change:
@@ -230,7 +233,7 @@ class Team(Frozen):
         before, now = number("time of the belief [s]", belief_time), number("time [s]", time)
         if now < before:
             raise OutOfOrder("a prediction", now, before)
-        if self.limits[:, :2].max() * (now - before) > LARGEST:
+        if self._fastest * (now - before) > LARGEST:
             raise InvalidInput(f"a time until which robots get no farther than {LARGEST:g} m", f"{now!r} s")
         if odometry is not None:
             instance("odometry", odometry, Odometry, type(None))
@@ -273,10 +276,6 @@ class Team(Frozen):
     def sensor_number(self, name: str) -> int:
         """Return the number of the sensor of a name; `InvalidInput` if there is none, with the nearest."""
         return _place_of("a sensor", name, [sensor.name for sensor in self.sensors])
-
-
-def _largest(numbers: Integers) -> int:
-    return int(numbers.item() if len(numbers) == 1 else numbers.max(initial=AT_THE_CENTRE))
 
 
 def _place_of(what: str, name: str, names: Sequence[str]) -> int:

@@ -11,6 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from filter.arrays import Array, Integers, Mask, Table, read_only, settle
+from filter.compiled import compiled
 from filter.geometry.convex import EPSILON
 
 WORLD = -1
@@ -39,10 +40,15 @@ class Constraints(Table):
     source: Integers
 
     def __post_init__(self) -> None:
-        if (self._keys[1:] < self._keys[:-1]).any():
-            order = np.argsort(self._keys, kind="stable")
-            settle(self, _keys=self._keys[order], **{name: getattr(self, name)[order] for name in self.__dataclass_fields__})
         super().__post_init__()
+        if not _are_in_order(self.i, self.j):
+            order = np.lexsort((self.j, self.i))
+            settle(
+                self,
+                **{
+                    name: read_only(column[order]) for name, column in zip(self.__dataclass_fields__, self.columns, strict=True)
+                },
+            )
 
     @classmethod
     def between(cls, i: Integers, j: Integers, normal: Array, offset: Array, source: Integers) -> Constraints:
@@ -77,8 +83,10 @@ class Constraints(Table):
         if index.dtype != bool:
             return super().select(index)
         some = object.__new__(type(self))  # in order as they were
-        columns = {name: read_only(getattr(self, name)[index]) for name in self.__dataclass_fields__}
-        settle(some, **columns, _stride=self._stride, _keys=self._keys[index])
+        settle(
+            some,
+            **{name: read_only(column[index]) for name, column in zip(self.__dataclass_fields__, self.columns, strict=True)},
+        )
         return some
 
     def rows_of(self, i: int, j: int) -> Integers:
@@ -88,9 +96,9 @@ class Constraints(Table):
 
     def groups(self, i: Integers, j: Integers) -> tuple[Integers, Integers]:
         """Return where the rows of each of (g) pairs, or of robots where i is WORLD, begin and end, (g,) and (g,)."""
-        # A robot beyond every row has none; its key would be another pair's.
-        key = np.where(j < self._stride, (i + 1) * self._stride + j, -1)
-        return np.searchsorted(self._keys, key), np.searchsorted(self._keys, key, side="right")
+        begin, end = i.copy(), j.copy()
+        _find(begin, end, self.i, self.j)
+        return begin, end
 
     def grouped(self) -> tuple[Integers, Integers, Integers]:
         """Return i and j of each robot and each pair that has rows (g,), and where these begin (g + 1,)."""
@@ -98,16 +106,8 @@ class Constraints(Table):
 
     @cached_property
     def _grouped(self) -> tuple[Integers, Integers, Integers]:
-        begin = np.append(0, np.flatnonzero(self._keys[1:] != self._keys[:-1]) + 1)[: len(self)]
-        return self.i[begin], self.j[begin], np.append(begin, len(self))
-
-    @cached_property
-    def _stride(self) -> int:
-        return int(self.j.max(initial=0)) + 1
-
-    @cached_property
-    def _keys(self) -> Integers:
-        return (self.i + 1) * self._stride + self.j
+        first = _begins(self.i, self.j)
+        return self.i[first[:-1]], self.j[first[:-1]], first
 
     def matrix(self, bodies: int) -> scipy.sparse.csr_array:
         """Return A (r, 2 bodies) of A x <= offset, with x = (x_0, y_0, x_1, y_1, ...)."""
@@ -117,3 +117,46 @@ class Constraints(Table):
         value = np.concatenate([-self.normal, self.normal], axis=1)[there]
         begin = np.concatenate([[0], np.cumsum(np.where(pair, 4, 2))])
         return scipy.sparse.csr_array((value, column, begin), shape=(len(self), 2 * bodies))
+
+
+@compiled
+def _are_in_order(i: Integers, j: Integers) -> bool:
+    """Return whether rows on i and j (r,) are sorted by both."""
+    in_order = True
+    for k in range(1, len(i)):
+        in_order &= i[k - 1] < i[k] or (i[k - 1] == i[k] and j[k - 1] <= j[k])
+    return in_order
+
+
+@compiled
+def _begins(i: Integers, j: Integers) -> Integers:
+    """Return where the rows on each robot or pair begin, of sorted ones, and where the last ones end."""
+    first, count = np.zeros(len(i) + 1, dtype=np.int64), 0
+    for k in range(len(i)):
+        if k == 0 or i[k] != i[k - 1] or j[k] != j[k - 1]:
+            first[count] = k
+            count += 1
+    first[count] = len(i)
+    return first[: count + 1].copy()
+
+
+@compiled
+def _find(begin: Integers, end: Integers, i: Integers, j: Integers) -> None:
+    """Write where the rows on pairs begin and end, of sorted ones, in place of the pairs' own i and j (g,)."""
+    for g in range(len(begin)):
+        one, other = begin[g], end[g]
+        begin[g] = _place(one, other, i, j)
+        end[g] = _place(one, other + 1, i, j)
+
+
+@compiled
+def _place(one: int, other: int, i: Integers, j: Integers) -> int:
+    """Return how many of sorted rows come before those on a pair."""
+    low, high = 0, len(i)
+    while low < high:
+        middle = (low + high) // 2
+        if i[middle] < one or (i[middle] == one and j[middle] < other):
+            low = middle + 1
+        else:
+            high = middle
+    return low

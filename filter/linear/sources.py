@@ -88,16 +88,10 @@ class Sources(Table):
     def extended(
         self, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY, sensor: Floats = AT_THE_CENTRE
     ) -> tuple[Sources, Integers]:
-        """Return the table with (k) more entries, and their numbers."""
-        more = Sources.of(kind, time, robot, target, sensor)
-        return Sources.concatenate([self, more]), np.arange(len(self), len(self) + len(more))
-
-    @classmethod
-    def of(cls, kind: Kind, time: Floats, robot: Floats, target: Floats = NOBODY, sensor: Floats = AT_THE_CENTRE) -> Sources:
-        """Return (k) sources of one kind; what is one number is so of all of them."""
-        who = [np.atleast_1d(np.asarray(column, dtype=np.int64)) for column in (robot, target, sensor)]
-        count = next((len(column) for column in who if len(column) != 1), 1)
-        if not count:
-            return cls()
-        columns = (np.full(count, column) for column in who)
-        return cls(np.full(count, KINDS.index(kind)), np.full(count, time, dtype=float), *columns)
+        """Return the table with (k) more entries of one kind, and their numbers; what is one number is so of all of them."""
+        who = [np.asarray(column, dtype=np.int64) for column in (robot, target, sensor)]
+        before, more = len(self), next((column.size for column in who if column.size != 1), 1)
+        columns = [np.empty(before + more, dtype=column.dtype) for column in self.columns]
+        for column, known, new in zip(columns, self.columns, (KINDS.index(kind), time, *who), strict=True):
+            column[:before], column[before:] = known, new
+        return Sources(*columns), np.arange(before, before + more)

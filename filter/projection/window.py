@@ -67,12 +67,30 @@ def links(rows: Constraints, robots: int) -> Links:
     """Return which rows are on whom."""
     i, j, first = rows.grouped()
     alone = int(np.searchsorted(i, WORLD, side="right"))
-    every = np.arange(robots + 1)
-    own_first = first[np.searchsorted(j[:alone], every)]
-    i, j = i[alone:], j[alone:]
-    one, other, which = np.concatenate([i, j]), np.concatenate([j, i]), np.tile(np.arange(len(i)), 2)
-    nearby = np.lexsort((other, one))
-    return Links(own_first, first[alone:], other[nearby], which[nearby], np.searchsorted(one[nearby], every))
+    own_first, near_first = np.empty(robots + 1, dtype=np.int64), np.zeros(robots + 1, dtype=np.int64)
+    near, near_pair = np.empty((2, 2 * (len(i) - alone)), dtype=np.int64)
+    _link((own_first, near, near_pair, near_first), i, j, first, alone)
+    return Links(own_first, first[alone:].copy(), near, near_pair, near_first)
+
+
+@compiled
+def _link(lists: tuple[Integers, Integers, Integers, Integers], i: Integers, j: Integers, first: Integers, alone: int) -> None:
+    """Write the lists of `Links`, from those who have rows, sorted, first those alone, and where these begin."""
+    (own_first, near, near_pair, near_first), group = lists, 0
+    for robot in range(len(own_first)):
+        while group < alone and j[group] < robot:
+            group += 1
+        own_first[robot] = first[group]
+    for pair in range(alone, len(i)):
+        near_first[i[pair] + 1] += 1
+        near_first[j[pair] + 1] += 1
+    for robot in range(1, len(near_first)):
+        near_first[robot] += near_first[robot - 1]
+    at = near_first.copy()
+    for one, other in ((j, i), (i, j)):  # the mates below a robot, in order, and then those above it
+        for pair in range(alone, len(i)):
+            near[at[one[pair]]], near_pair[at[one[pair]]] = other[pair], pair - alone
+            at[one[pair]] += 1
 
 
 @compiled

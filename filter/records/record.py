@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import fields
+from functools import cache, cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -9,10 +10,20 @@ import numpy as np
 from filter.arrays import Array, Floats, Frozen, Integers, checked, finite, number, read_only, settle, shown, whole
 from filter.errors import InvalidInput
 
+UNNAMED = -1  # below every number
 AT_THE_CENTRE = -1  # the number of a sensor that is at its robot's centre and looks forward
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
 CENTRE = read_only(np.full(1, AT_THE_CENTRE))  # the column of sensors where nothing is said
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
+
+
+NAMING = ("robot", "target", "sensor", "target_sensor")
+
+
+def _greatest(numbers: Integers | None) -> int:
+    if numbers is None:
+        return UNNAMED
+    return int(numbers.item() if len(numbers) == 1 else numbers.max(initial=UNNAMED))
 
 
 def _numbers(name: str, values: Floats) -> Integers:
@@ -48,6 +59,11 @@ class Record(Frozen):
             raise InvalidInput(f"{kind}: numbers or (k,) columns", f"shape {arrays[0].shape}")
         return values | dict(zip(columns, arrays, strict=True))
 
+    @cached_property
+    def greatest(self) -> tuple[int, ...]:
+        """The greatest numbers of a robot, a target, a sensor and a target's sensor that are named; -1 where none is."""
+        return tuple(map(_greatest, map(self.__dict__.get, NAMING)))
+
     @classmethod
     def of_checked(cls, time: float, columns: dict[str, np.ndarray], **times: float) -> Self:
         """Return a record of columns and times that were checked before, without a look."""
@@ -72,8 +88,13 @@ class Sighting(Record):
 
 
 def field_names(record: Any) -> list[str]:
-    """Return the names of a record's columns, its times left out."""
-    return [each.name for each in fields(record) if each.name not in ("start", "time")]
+    """Return the names of the columns of a record, or of a kind of records, its times left out."""
+    return list(_columns_of(record if isinstance(record, type) else type(record)))
+
+
+@cache
+def _columns_of(kind: type[Any]) -> tuple[str, ...]:
+    return tuple(each.name for each in fields(kind) if each.name not in ("start", "time"))
 
 
 def place(name: str, values: Floats) -> Array:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers
-from filter.compiled import compiled
+from filter.compiled import bounds_of, compiled
 from filter.geometry.angles import AngularIntervals, turned
 from filter.geometry.convex import EPSILON, hull_of
 from filter.geometry.sector import WIDEST, trapezoid
@@ -54,10 +54,8 @@ class Displacements(Frozen):
     @property
     def discs(self) -> tuple[Array, Array, Array]:
         """Centres (n, 2) and radii (n,) of discs around the sets, and the size (n,) of the numbers, for their rounding [m]."""
-        middle = (self.vertices.min(axis=1) + self.vertices.max(axis=1)) / 2
-        away = self.vertices - middle[:, None]
-        radius = np.hypot(away[..., 0], away[..., 1]).max(axis=1) + self.slip
-        return middle, radius, np.abs(middle).sum(axis=1) + radius
+        found = _discs(self.vertices, self.slip)
+        return found[:, :2].copy(), found[:, 2].copy(), found[:, 3].copy()
 
     @property
     def normals(self) -> Array:
@@ -76,6 +74,20 @@ def _normals(vertices: Array) -> Array:
             length = np.hypot(x, y)
             normals[robot, k, 0], normals[robot, k, 1] = y / length, -x / length
     return normals
+
+
+@compiled
+def _discs(vertices: Array, slip: Array) -> Array:
+    """Return (n, 4) centre, radius and size."""
+    found = np.empty((len(slip), 4))
+    for k in range(len(slip)):
+        (west, east), (south, north) = bounds_of(vertices[k, :, 0]), bounds_of(vertices[k, :, 1])
+        x, y, radius = (west + east) / 2, (south + north) / 2, 0.0
+        for m in range(vertices.shape[1]):
+            radius = max(radius, np.hypot(vertices[k, m, 0] - x, vertices[k, m, 1] - y))
+        radius += slip[k]
+        found[k, 0], found[k, 1], found[k, 2], found[k, 3] = x, y, radius, abs(x) + abs(y) + radius
+    return found
 
 
 @compiled

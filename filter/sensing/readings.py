@@ -90,11 +90,10 @@ class Readings(NamedTuple):
 
     def numbered(self, sources: Sources, robots: int) -> tuple[Sources, Integers]:
         """Enter what makes rows in a table; return it and numbers (b + r + p + n,) of these, and of the cells of n robots."""
-        measured = [
-            Sources.of(KIND_OF[type(record)], time, record.robot, targets_of(record), record.sensor)
-            for record, time in zip(self.records[ROWS], self.times[ROWS], strict=True)
-        ]
-        table = Sources.concatenate([sources, *measured, Sources.of("cells", self.ranges.time, np.arange(robots))])
+        table = sources
+        for record, time in zip(self.records[ROWS], self.times[ROWS], strict=True):
+            table, _ = table.extended(KIND_OF[type(record)], time, record.robot, targets_of(record), record.sensor)
+        table, _ = table.extended("cells", self.ranges.time, np.arange(robots))
         return table, np.arange(len(sources), len(table))
 
     def spots(self, record: Bearing | Range) -> tuple[Integers | int, int]:
@@ -121,7 +120,7 @@ class Readings(NamedTuple):
         found = list[Source]()
         for record, time in zip(self.records, self.times, strict=True):
             target = targets_of(record)
-            table = Sources.of(KIND_OF[type(record)], time, record.robot, target, record.sensor)
+            table, _ = Sources().extended(KIND_OF[type(record)], time, record.robot, target, record.sensor)
             found += [table[k] for k in np.flatnonzero((record.robot == robot) | (target == robot)).tolist()]
         return list(dict.fromkeys(found))
 
@@ -157,13 +156,18 @@ def _columns(kind: type[Measurement], records: Sequence[Any], stamps: Array) -> 
     names = [*field_names(kind), AT]
     if not records:
         return {name: NO_VALUES[name in WHO or name == AT] for name in names}
-    instants = np.searchsorted(stamps, [each.time for each in records])
-    parts = [
-        np.concatenate([NO_VALUES[name in WHO], *(getattr(each, name) for each in records)]) + 0 for name in names[:-1]
-    ]  # no -0.0
-    parts.append(np.repeat(instants, [len(each.robot) for each in records]).astype(np.int64))
-    order = np.lexsort(parts[::-1])
-    columns = [column[order] for column in parts]
-    new = np.ones(len(order), dtype=bool)
-    new[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
-    return dict(zip(names, (column[new] for column in columns), strict=True))
+    sizes, instants = [len(each.robot) for each in records], np.searchsorted(stamps, [each.time for each in records])
+    table = np.empty((len(names), sum(sizes)))  # whole numbers are exact as floats
+    for row, name in zip(table, names[:-1], strict=False):
+        np.concatenate([getattr(each, name) for each in records], out=row)
+    table[-1] = np.repeat(instants, sizes)
+    table += 0.0  # no -0.0
+    table = table[:, np.lexsort(table[::-1])]
+    new = np.ones(table.shape[1], dtype=bool)
+    new[1:] = (table[:, 1:] != table[:, :-1]).any(axis=0)
+    columns = table[:, new]
+    whole = (name in WHO or name == AT for name in names)
+    return {
+        name: column.astype(np.int64) if is_whole else column
+        for name, column, is_whole in zip(names, columns, whole, strict=True)
+    }

@@ -93,13 +93,10 @@ class Moves(Frozen):
     @cached_property
     def discs(self) -> tuple[Array, Array]:
         """Centres (s n + n, 2) and radii (s n + n,) of discs around displacements since the beginning and each instant [m]."""
-        (middle, radius, size), robots = self.sets.discs, self.robots
-        summed = [
-            np.concatenate([np.cumsum(each.reshape(-1, robots, width)[::-1], axis=0)[::-1], np.zeros((1, robots, width))])
-            for each, width in ((middle, 2), (radius, 1), (size, 1))
-        ]
-        centre, reach, rounding = (each.reshape(-1, each.shape[-1]) for each in summed)
-        return centre, reach[:, 0] + 1e-12 * rounding[:, 0]
+        middle, radius, size = self.sets.discs
+        centre, reach = np.zeros((len(radius) + self.robots, 2)), np.zeros(len(radius) + self.robots)
+        _add_up(centre, reach, middle, radius, size)
+        return centre, reach
 
     def between(self, robot: Integers, target: Integers, at: Integers) -> tuple[Array, Array]:
         """Return by what (k, 2) the way from robots to targets, and up to what (k,), is another now than at instants [m]."""
@@ -108,6 +105,17 @@ class Moves(Frozen):
         place, mate = first + robot, np.where(moving, first + target, 0)
         by = np.where(moving[:, None], centre[mate], 0.0) - centre[place]
         return by, np.where(moving, radius[mate], 0.0) + radius[place]
+
+
+@compiled
+def _add_up(centre: Array, reach: Array, middle: Array, radius: Array, size: Array) -> None:
+    """Write centres and radii of the discs since each instant, from those on the way to each; none since the last one."""
+    robots, rounding = len(reach) - len(radius), np.zeros(len(reach))
+    for k in range(len(radius) - 1, -1, -1):
+        centre[k, 0], centre[k, 1] = centre[k + robots, 0] + middle[k, 0], centre[k + robots, 1] + middle[k, 1]
+        reach[k], rounding[k] = reach[k + robots] + radius[k], rounding[k + robots] + size[k]
+    for k in range(len(radius)):
+        reach[k] += 1e-12 * rounding[k]
 
 
 @compiled

@@ -65,6 +65,17 @@ def inserted(parts: Array, new: Array) -> Array:
 
 
 @compiled
+def later(parts: Array, time: float) -> Array:
+    """Return those of parts (m, COLUMNS) that end after a time [s]."""
+    kept, count = np.empty(parts.shape), 0
+    for k in range(len(parts)):
+        if parts[k, 2] > time:
+            put(parts[k], kept[count])
+            count += 1
+    return kept[:count].copy()
+
+
+@compiled
 def overlap(parts: Array) -> bool:
     """Return whether any parts (m, COLUMNS) of a robot overlap, where they are in order."""
     found = False

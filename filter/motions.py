@@ -12,7 +12,7 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, checked, instance, number, read_only, settle
 from filter.errors import InvalidInput
-from filter.joined import COLUMNS, inserted, joined, overlap
+from filter.joined import COLUMNS, inserted, joined, later, overlap
 from filter.records.odometry import Odometry, Twist
 from filter.team import Team
 
@@ -84,8 +84,8 @@ class Motions(Frozen):
 
     def since(self, time: float) -> Motions:
         """Return what is known of the time after one [s]."""
-        kept = self.parts[:, TIME] > number("time [s]", time)
-        return self if kept.all() else self._with(self.parts[kept], self.twisted)
+        kept = later(self.parts, number("time [s]", time))
+        return self if len(kept) == len(self.parts) else self._with(kept, self.twisted)
 
     def between(self, start: float, time: float) -> Odometry | None:
         """Return how robots moved from one time to another [s]; None where nothing is known of any, or no time passes.
@@ -98,11 +98,13 @@ class Motions(Frozen):
             raise InvalidInput(f"a time from the start, {begin!r} s, on", f"{end!r} s")
         if end == begin:
             return None
-        robots, *columns = joined(self.parts, self.team.limits, np.array([begin, end]))
-        if not len(robots):
+        found = read_only(joined(self.parts, self.team.limits, np.array([begin, end])))
+        if not found.shape[1]:
             return None
-        found = dict(zip(NAMES, columns, strict=True))
-        return Odometry.of_checked(end, {"robot": robots.astype(np.int64)} | found, start=begin)
+        columns = dict(zip(NAMES, found[1:], strict=True))  # views of what nobody can write to
+        odometry = object.__new__(Odometry)
+        settle(odometry, start=begin, time=end, robot=read_only(found[0].astype(np.int64)), **columns)
+        return odometry
 
 
 NAMES = ("distance", "distance_bound", "turn", "turn_bound", "direction_bound", "slip_bound", "aside")

@@ -11,7 +11,7 @@ from typing import cast
 
 import numpy as np
 
-from experiments.logs.checks import field_names
+from experiments.logs.checks import field_names, read_only
 from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Record, TruthAt, settled
 from filter import Arrival, Frame, InvalidInput, Left, Measurement, Odometry, Placed, Truth, Twist
 
@@ -160,4 +160,4 @@ def _seen_together(parts: Sequence[TruthAt], robots: int) -> Truth | None:
     positions, headings = np.full((robots, 2), np.nan), np.full(robots, np.nan)
     for part in parts:
         positions[part.robot], headings[part.robot] = part.truth.positions, part.truth.headings
-    return Truth(positions, headings)
+    return settled(Truth, positions=read_only(positions), headings=read_only(headings))

@@ -148,7 +148,7 @@ class FrameEnd(NamedTuple):
 
 
 Record = Odometry | Twist | Measurement | Joined | Left | TruthAt | FrameEnd
-Settled = TypeVar("Settled", bound=Frame | Measurement | Odometry | Twist)
+Settled = TypeVar("Settled", bound=Frame | Truth | Measurement | Odometry | Twist)
 
 
 def settled(kind: type[Settled], **fields: Any) -> Settled:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -155,7 +156,9 @@ def same(text, version):
 
 def told(record):
     """Return all that a record is, to the last bit."""
-    values = record._asdict() if isinstance(record, tuple) else vars(record)
+    values = (
+        record._asdict() if isinstance(record, tuple) else {each.name: getattr(record, each.name) for each in fields(record)}
+    )
     return type(record), {name: _told(value) for name, value in values.items()}
 
 

@@ -1,7 +1,7 @@
 """Logs of version 2: names, limits of single robots, streams at their own rates, whatever a robot can say."""
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -57,7 +57,9 @@ def records_of(generator):
 
 def told(record):
     """Return all that a record is, to the last bit."""
-    values = record._asdict() if isinstance(record, tuple) else vars(record)
+    values = (
+        record._asdict() if isinstance(record, tuple) else {each.name: getattr(record, each.name) for each in fields(record)}
+    )
     return type(record), {name: _told(value) for name, value in values.items()}
 
 

@@ -151,7 +151,8 @@ class Fast:
         robot, position, heading = one
         if UNSET not in one and positions is headings is UNSET:
             who = read_only(np.array([self._body(robot, self._robots)]))
-            return TruthAt(time, who, Truth([_place(position)], [_known(heading)]))
+            places, headings = read_only(np.array([_place(position)])), read_only(np.array([_known(heading)]))
+            return TruthAt(time, who, settled(Truth, positions=places, headings=headings))
         if one == (UNSET, UNSET, UNSET) and UNSET not in (positions, headings):
             return self._truth(time, [_place(place) for place in positions], [_known(each) for each in headings])
         raise _Unusual

@@ -112,7 +112,7 @@ class SetMembershipFilter(Frozen):
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
         outside = np.flatnonzero((lower > upper).any(axis=1))
         if len(outside):
-            raise InvalidInput("initial polygons that reach into the arena", f"robot {outside[0]} wholly outside")
+            raise InvalidInput("initial polygons that reach into the arena", f"{self.team.called(outside[0])} wholly outside")
         sources, numbers = Sources().extended("initial set", begin, np.arange(self.team.robots))
         j = np.repeat(numbers, [len(polygon.offsets) for polygon in polygons])
         normals, offsets = (np.concatenate([getattr(each, name) for each in polygons]) for name in ("normals", "offsets"))
@@ -132,7 +132,7 @@ class SetMembershipFilter(Frozen):
         """
         self.team.check_belief(belief, Belief, "headings")
         which = whole_number("robot", robot, 0, self.team.robots - 1)
-        alone = replace(self, team=Team(1, arena=self.team.arena)).start(belief.time, [polygon], heading)
+        alone = replace(self, team=Team([self.team.name(which)], arena=self.team.arena)).start(belief.time, [polygon], heading)
         return belief.with_robot(which, alone)
 
     def changed(self, belief: Belief, change: Change) -> Belief:
@@ -157,7 +157,7 @@ class SetMembershipFilter(Frozen):
             after = self._predicted(before, (time, odometry), self.team.arena)
         except Inconsistent as error:
             conflict = conflict_of(error, [Premises(before, (time, odometry), (), self.team, self._excludes)])
-            raise Inconsistent(error.what, conflict.sources) from None
+            raise Inconsistent(error.what, conflict.sources, error.robot) from None
         return replace(after, moved=Moved(before, odometry))
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
@@ -181,7 +181,7 @@ class SetMembershipFilter(Frozen):
         try:
             return self._updated(belief, records, is_over)
         except Inconsistent as error:
-            raise Inconsistent(error.what, conflict_of(error, cases).sources) from None
+            raise Inconsistent(error.what, conflict_of(error, cases).sources, error.robot) from None
 
     def advance(self, belief: Belief, frames: Sequence[Frame]) -> Belief:
         """Return the belief after several instants, at the last of them: by one prediction and one update.

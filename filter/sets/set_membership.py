@@ -31,7 +31,7 @@ from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sensing.since import Moves, Since
-from filter.sets.belief import Belief, Moved
+from filter.sets.belief import Belief, Event, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
@@ -187,18 +187,19 @@ class SetMembershipFilter(Frozen):
         """Return the belief after several instants, at the last of them: by one prediction and one update.
 
         It costs about as much as one step, and says nearly as much as one for each. Where a robot is in doubt, of which cells
-        would say more, or where something is in conflict, it is a step for each. Raises what `predict` and `update` raise.
+        would say more, or something is in conflict, it is a step for each, with the events of all. Raises what these raise.
         """
         steps = several("frames", frames, Frame)
         alike = len(steps) > 1 and not any(frame.changes for frame in steps)
-        together = self._together(belief, steps) if alike else None
-        if together is not None:
+        if alike and (together := self._together(belief, steps)) is not None:
             return together
+        events = list[Event]()
         for frame in steps:
             moved = frame.time != belief.time or frame.odometry is not None
             belief = self.predict(belief, frame.time, frame.odometry) if moved else belief
             belief = self.update(reduce(self.changed, frame.changes, belief), frame.measurements)
-        return belief
+            events += belief.events
+        return replace(belief, events=tuple(events)) if steps else belief
 
     def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
         """Return the belief after several instants; None where a step for each may say more, or what is in conflict."""
@@ -211,6 +212,8 @@ class SetMembershipFilter(Frozen):
             frames = [replace(frame, odometry=belief.guarantee.of_those_there(frame.odometry)) for frame in frames]
         since = Since.of(self.team, belief.headings, belief.time, frames)
         readings = Readings.of(time, records, since, self.team.mountings)
+        if readings.place_somebody_nowhere():  # what moves since would make room for
+            return None
         is_over = self.budget.begin() if self.budget else never
         try:
             looks, moves = looks_at_a_glance(since, readings)

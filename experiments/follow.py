@@ -152,7 +152,7 @@ def _watching(options: Options, scenario: Scenario) -> tuple[Scenario, Watching 
     if options.watch is None:
         return scenario, None
     claims, frames = claims_in(options.watch, POSES, scenario.team.robots, 0.0), list(scenario.frames)
-    watching = Watching(judge_of(scenario.team, frames, claims, TOLERANCE), claims, BACK)
+    watching = Watching(scenario.team, judge_of(scenario.team, frames, claims, TOLERANCE), claims, BACK)
     return replace(scenario, frames=iter(frames), count=len(frames)), watching
 
 
@@ -225,7 +225,7 @@ class Following:
         if self._beside and self._beside.failure:
             tell(f"the EKF ends early: {self._beside.failure}")
         if metrics.suspended is not None:
-            tell(f"the guarantee is {metrics.suspended}")
+            tell(f"the guarantee is {self._scenario.team.words(metrics.suspended)}")
         if not metrics.checks and self._options.filter != "ekf":
             tell("the log tells no truth: nothing was checked against it")
 

@@ -244,7 +244,7 @@ class Live:
         if conflict:
             tell(f"the filter stopped: {conflict}")
         if tally.suspended is not None:
-            tell(f"the guarantee is {tally.suspended}")
+            tell(f"the guarantee is {self._feed.reading.header.team.words(tally.suspended)}")
         if not tally.checks:
             tell("the feed told no truth: nothing was checked against it")
 
@@ -256,7 +256,7 @@ class Live:
         known: dict[str, Value] = {"robots": header.team.robots, "filter": "sets", "policy": options.policy}
         known |= {"from": options.source, "every_s": options.every, "lag_s": options.lag, "budget_s": options.budget}
         late, refused = (lagged.late, lagged.refused + tally.refused) if lagged else (0, 0)
-        known |= tally.summary() | {"late": late, "refused": refused, "inconsistent": conflict}
+        known |= tally.summary(header.team.words) | {"late": late, "refused": refused, "inconsistent": conflict}
         known["recording"] = RECORDING if options.recording else None
         if self._watched:
             known |= watch_summary(self._watched.judged) | {"watch_unjudged": self._watched.unjudged}

@@ -93,7 +93,7 @@ def run(options: Options) -> int:
     found = summary_of(table, options.start, following.tally.resets)
     aside = following.tally.put_aside
     told: dict[str, Value] = {"sensors_put_aside": len(aside), "put_aside": "; ".join(aside), "warm_up_s": warmed_up()}
-    told |= guarantee_summary(following.tally.suspended)
+    told |= guarantee_summary(following.tally.suspended, scenario.team.words)
     told["too_short"] = too_short("who is nearer and smaller", seconds=(float(str(found["duration_s"])), ENOUGH))
     summary = header_of(options, data, robots) | found | told
     write_summary(folder, summary)

@@ -15,7 +15,7 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, checked, finite, instance, positive, settle, whole_number
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals, wrap
-from filter.geometry.polygon import Polygon
+from filter.geometry.polygon import Polygon, clip
 from filter.guarantee import Guarantee
 from filter.records.measurements import Bearing, Compass, Measurement, Position
 from filter.records.odometry import Odometry
@@ -120,7 +120,7 @@ class ExtendedKalmanFilter(Frozen):
     its variance is no less than a thousand roundings of the variance that the belief expects of it, so that covariances stay
     positive. All others are weighed as declared. A target expected nearer than 1e-6 m has no direction, and tells nothing; nor
     does a bearing that may be off by half a turn. A position is weighed as the box around it; one without an end on all sides,
-    as a half-plane, tells nothing. Sensors measure from where they are mounted, and antennas are where they are mounted, as the
+    as a half-plane, tells nothing, nor does one with nothing in it. Sensors and antennas are where they are mounted, as the
     mean has it; the bounds of mountings are added to those of their readings, and so is how far robots can get, and turn,
     within the time that a sensor's clock can be off.
 
@@ -277,8 +277,8 @@ class ExtendedKalmanFilter(Frozen):
             own, robot, sensor = record.first == first, record.robot[first], record.sensor[first]
             arm = _arms(belief, record.robot[[first]], mountings.position[[sensor]])
             offsets = record.offset[own] - record.normals[own] @ (belief.mean[robot, :2] + arm[0])
-            bounds = Polygon.from_half_planes(record.normals[own], offsets, [-ENDLESS] * 2, [ENDLESS] * 2).bounds
-            for axis, (low, high) in enumerate(zip(*bounds, strict=True)):
+            kept = clip(record.normals[own], offsets, np.full(2, -ENDLESS), np.full(2, ENDLESS))
+            for axis, (low, high) in enumerate(zip(*kept[0].bounds, strict=True) if kept else ()):
                 if max(-low, high) < ENDLESS:
                     found.append(((low + high) / 2, self.noise.position * ((high - low) / 2 + off[first])))
                     H.append(np.eye(belief.mean.size)[STATES * robot + axis])

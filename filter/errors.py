@@ -50,17 +50,19 @@ class Inconsistent(CorralError):
     """Measurements, motion bounds and prior knowledge are proved to exclude one another: some declared bound is broken.
 
     Attributes:
-        what: When that was found, or which robot has left the arena, in words.
+        what: When that was found, or, of a robot, that it has left the arena, in words.
         sources: What is proved to exclude one another, the newest last; without any one of them it is not.
+        robot: Which one has left the arena, or None.
     """
 
-    def __init__(self, what: str, sources: Sequence[Any]) -> None:
-        super().__init__(_conflict(what, map(str, sources)))
-        self.what, self.sources = what, tuple(sources)
+    def __init__(self, what: str, sources: Sequence[Any], robot: int | None = None) -> None:
+        super().__init__(_conflict(what if robot is None else f"robot {robot} {what}", map(str, sources)))
+        self.what, self.sources, self.robot = what, tuple(sources), robot
 
     def named(self, team: Any) -> str:
         """Return it in words, with the names that a team has for robots, landmarks and sensors."""
-        return _conflict(self.what, (source.named(team) for source in self.sources))
+        what = self.what if self.robot is None else f"{team.called(self.robot)} {self.what}"
+        return _conflict(what, (source.named(team) for source in self.sources))
 
 
 def _conflict(what: str, sources: Iterable[str]) -> str:

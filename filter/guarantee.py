@@ -1,7 +1,8 @@
 """Whether what a filter says is guaranteed: for which robots it is not, since when, and why."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -15,7 +16,7 @@ class Guarantee(Frozen):
 
     Attributes:
         suspended_since: (n,) since when it is suspended [s]; infinite where it is in force, -inf where it never was.
-        because: (n) why it is suspended; empty where it is not.
+        because: (n) why it is suspended, in words with the names of the team; empty where it is not.
         away: Robots that have left, of which nothing is said.
     """
 
@@ -58,7 +59,14 @@ class Guarantee(Frozen):
         return odometry.without(self.away) if odometry is not None and self.away else odometry
 
     def __str__(self) -> str:
+        return self._in_words("robots ", str)
+
+    def named(self, team: Any) -> str:
+        """Return it in words, with the names that a team has for robots."""
+        return self._in_words("", team.name)
+
+    def _in_words(self, before: str, name: Callable[[int], str]) -> str:
         told: dict[str, list[str]] = {}
         for robot in np.flatnonzero(self.lapsed).tolist():
-            told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(str(robot))
-        return "; ".join(f"suspended for robots {', '.join(who)} {why}" for why, who in told.items()) or "in force"
+            told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(name(robot))
+        return "; ".join(f"suspended for {before}{', '.join(who)} {why}" for why, who in told.items()) or "in force"

@@ -1,9 +1,7 @@
 """What is known of a team for good: how many robots, where the landmarks are, how far anything can be."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -30,13 +28,13 @@ from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.records.measurements import MEASUREMENTS, Bearing, Measurement, Range, measurements_of
+from filter.records.names import names_in, numbered, place_of
 from filter.records.odometry import Odometry, Twist
 from filter.records.presence import Change, Left, Placed
 from filter.records.record import AT_THE_CENTRE, called
 from filter.records.relative import RelativeHeading
 from filter.records.sensors import Mountings, Sensor, sensors_in
 
-NAME = re.compile(r"\w[\w.-]{0,63}")  # they are parts of files' names and of paths in recordings
 LIMITS = ("speed_limit", "turn_rate_limit", "acceleration_limit", "turn_acceleration_limit")
 ARENA = "(2, 2) lower corner below upper corner [m], infinite where it is open"
 
@@ -120,8 +118,8 @@ class Team(Frozen):
     def __post_init__(self) -> None:
         of_robots, of_marks = self._taken_apart()
         super().__post_init__()
-        robots = of_robots or [f"r{k}" for k in range(self.robots)]
-        marks = of_marks if of_marks is not None else [f"l{k}" for k in range(len(self.landmarks))]
+        robots = of_robots or numbered("r", self.robots)
+        marks = of_marks if of_marks is not None else numbered("l", len(self.landmarks))
         count = self.robots + len(self.landmarks)
         names = names_in(f"one name for each of {count} robots and landmarks", self.names or (*robots, *marks), count)
         settle(self, names=names, **{limit: self._each(limit) for limit in LIMITS})
@@ -207,7 +205,7 @@ class Team(Frozen):
         """
         instance("a robot that is placed, or has left", change, Placed, Left)
         if change.robot >= self.robots:
-            raise InvalidInput(f"a robot among robots 0 to {self.robots - 1}", f"robot {change.robot}")
+            raise InvalidInput(f"a robot among {self._known('robot', 0)}", f"robot {change.robot}")
         if belief_time is not None and change.time != belief_time:
             raise OutOfOrder(called(type(change)), change.time, belief_time)
         return change
@@ -269,31 +267,24 @@ class Team(Frozen):
         """Return the name of a robot or a landmark; `InvalidInput` if there is none of that number."""
         return self.names[whole_number("a body", body, 0, len(self.names) - 1)]
 
+    @cached_property
+    def is_named(self) -> bool:
+        """Whether robots or landmarks have names of their own."""
+        return self.names != (*numbered("r", self.robots), *numbered("l", len(self.landmarks)))
+
+    def called(self, robot: int) -> str:
+        """Return what a robot is called in words: its name, or "robot 3" in a team without names."""
+        return self.name(robot) if self.is_named else f"robot {robot}"
+
+    def words(self, what: object) -> str:
+        """Return in words what happened, what is known, or an error: with the names of the team, if it has names of its own."""
+        named = getattr(what, "named", None) if self.is_named else None
+        return named(self) if named else str(what)
+
     def number_of(self, name: str) -> int:
         """Return the number of the robot or the landmark of a name; `InvalidInput` if there is none, with the nearest."""
-        return _place_of("a robot or a landmark", name, self.names)
+        return place_of("a robot or a landmark", name, self.names)
 
     def sensor_number(self, name: str) -> int:
         """Return the number of the sensor of a name; `InvalidInput` if there is none, with the nearest."""
-        return _place_of("a sensor", name, [sensor.name for sensor in self.sensors])
-
-
-def _place_of(what: str, name: str, names: Sequence[str]) -> int:
-    if name not in names:
-        near = get_close_matches(str(name), names, 1)
-        raise InvalidInput(f"a name of {what}{f', as {near[0]}' if near else ''}", shown(name))
-    return names.index(name)
-
-
-def names_in(what: str, values: Any, count: int | None = None) -> tuple[str, ...]:
-    """Return names: words of letters, digits, "_", "-" and ".", no two alike, and so many; raises `InvalidInput`."""
-    names = several(f"{what}: names", values, str)
-    wrong = next((name for name in names if not NAME.fullmatch(name)), None)
-    if wrong is not None:
-        raise InvalidInput(f'{what}: names of letters, digits, "_", "-" and ".", 64 at most', shown(wrong))
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
-        raise InvalidInput(f"{what}: names of robots and landmarks, no two alike", f"{shown(twice)} twice")
-    if count is not None and len(names) != count:
-        raise InvalidInput(what, f"{len(names)} names")
-    return names
+        return place_of("a sensor", name, [sensor.name for sensor in self.sensors])

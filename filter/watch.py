@@ -1,5 +1,6 @@
 """A guaranteed region proves other estimators wrong: an integrity monitor for whatever filter runs beside this one."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
 from filter.sets.belief import Belief
+from filter.team import Team
 
 SAME_DIRECTION = 1e-6  # an edge whose normal is within this of the separating line's carries it alone [rad]
 SYMMETRIC = 1e-9  # a covariance whose halves differ by more than this share is none
@@ -41,9 +43,16 @@ class Alarm(Frozen):
     sources: tuple[Source, ...]
 
     def __str__(self) -> str:
+        return self._in_words(f"robot {self.robot}", map(str, self.sources))
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the names that a team has for robots, landmarks and sensors."""
+        return self._in_words(team.name(self.robot), (source.named(team) for source in self.sources))
+
+    def _in_words(self, robot: str, sources: Iterable[str]) -> str:
         what = "the whole ellipse" if self.everything else "the estimate"
-        because = "; ".join(map(str, self.sources)) or "the box that it was known to be in"
-        return f"{what} of robot {self.robot} at {self.time:.3f} s is impossible by {self.distance:.3f} m, proved by {because}"
+        because = "; ".join(sources) or "the box that it was known to be in"
+        return f"{what} of {robot} at {self.time:.3f} s is impossible by {self.distance:.3f} m, proved by {because}"
 
 
 def watch(

@@ -30,7 +30,7 @@ class Episodes:
         words = []
         for robot, alarm in now.items():
             if robot not in self._lasting or (alarm.everything and not self._lasting[robot]):
-                words.append((f"EKF proved wrong: {alarm}", "ERROR" if alarm.everything else "WARN"))
+                words.append((f"EKF proved wrong: {self.team.words(alarm)}", "ERROR" if alarm.everything else "WARN"))
         for robot in self._lasting:
             if robot not in now:
                 words.append((f"the EKF's estimate of {self.team.name(robot)} is possible again", "INFO"))
@@ -68,4 +68,4 @@ def record(case: Case, path: Path) -> None:
                     recording.event(words, level)
                 progress.advance(step.frame.time, step.seconds)
         except Inconsistent as error:
-            recording.event(str(error), "ERROR")
+            recording.event(team.words(error), "ERROR")

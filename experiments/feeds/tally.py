@@ -9,7 +9,7 @@ import numpy as np
 from experiments.feeds.spread import Spread
 from experiments.following.checks import Checks
 from experiments.following.located import there
-from experiments.following.metrics import Value, guarantee_summary, rounded
+from experiments.following.metrics import Value, Words, guarantee_summary, rounded
 from filter import Belief, Measurement
 
 
@@ -53,13 +53,13 @@ class Tally(Checks):
         if isinstance(record, Measurement):
             self.measured(record)
 
-    def summary(self) -> dict[str, Value]:
-        """Return flat values with units in their names; None for what nothing is known of."""
+    def summary(self, words: Words) -> dict[str, Value]:
+        """Return flat values with units in their names, in the words of the team; None for what nothing is known of."""
         lines = ("records", "malformed", "too_long")
         return {
             **self.counts(),
             "truth_unchecked": self.unchecked,
-            **guarantee_summary(self.suspended),
+            **guarantee_summary(self.suspended, words),
             **{name: getattr(self, name) for name in lines},
             "measurements": self.measurements,
             "outer_area_mean_m2": _rounded(self._areas.mean()),

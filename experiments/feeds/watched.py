@@ -45,7 +45,7 @@ class Watched(Beside):
         self._team, self._files, self._say = team, files, say
         self._steps = now.lagged.steps
         begin = _before(self._steps[0])
-        self.judged, self.unjudged = Judged(claims, begin, begin), 0
+        self.judged, self.unjudged = Judged(team, claims, begin, begin), 0
 
     def keep(self, answered: Answered) -> None:
         """Take one answer in; odometry alone has to wait for what is measured next."""
@@ -98,7 +98,8 @@ class Watched(Beside):
     def _tell(self, claimed: Claimed, moment: int, verdict: Verdict) -> None:
         for robot, alarm in verdict.alarms.items():
             trajectory = f"r{robot}_{claimed.name}".removesuffix("_")
-            why = f"by {alarm.distance:.3f} m, by {'; '.join(map(str, alarm.sources)) or 'what was known at the start'}"
+            sources = "; ".join(map(self._team.words, alarm.sources)) or "what was known at the start"
+            why = f"by {alarm.distance:.3f} m, by {sources}"
             self._say(f"{trajectory} is proved wrong", verdict.time, why, claimed.positions[moment, robot])
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -27,7 +27,7 @@ class Beside:
             try:
                 self._belief = self._next(frame)
             except CorralError as error:
-                self.failure = str(error)
+                self.failure = self._scenario.team.words(error)
         return self._belief if self.failure is None else None
 
     def _next(self, frame: Frame) -> GaussianBelief:

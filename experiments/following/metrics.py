@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,7 @@ from experiments.following.located import points, there
 from filter import Belief, Fallback, Frame, GaussianBelief, Guarantee, Rejected, RobustBelief, Truth
 
 Value = float | int | str | bool | None
+Words = Callable[[object], str]  # how something is said: `Team.words`, or `str` where robots have no names
 DIGITS = 6  # significant ones in a summary, of means and times; counts are exact
 
 
@@ -78,12 +79,15 @@ class Metrics(Checks):
         self._ratios += regions.performance_ratios[here].tolist()
         self._searches += regions.searches[here].tolist()
 
-    def summary(self) -> dict[str, Value]:
-        """Return flat values with units in their names; None for what nothing is known of, as in windows from inside."""
+    def summary(self, words: Words = str) -> dict[str, Value]:
+        """Return flat values with units in their names; None for what nothing is known of, as in windows from inside.
+
+        Words are those of the team, which has names.
+        """
         ratios = self._ratios if any(self._ratios) else []
         return {
             **self.counts(),
-            **guarantee_summary(self.suspended),
+            **guarantee_summary(self.suspended, words),
             "measurements": self.measurements,
             "rejected": self.rejected,
             "solver_fallbacks": self.fallbacks,
@@ -99,13 +103,13 @@ class Metrics(Checks):
         }
 
 
-def guarantee_summary(suspended: Guarantee | None) -> dict[str, Value]:
+def guarantee_summary(suspended: Guarantee | None, words: Words) -> dict[str, Value]:
     """Return whether a guarantee was in force all the time, or since when it first was not, and why; None for all the time."""
     since = None if suspended is None else float(suspended.suspended_since.min())
     return {
         "guarantee_in_force": suspended is None,
         "guarantee_suspended_since_s": since if since is None or np.isfinite(since) else None,
-        "guarantee_suspended_because": None if suspended is None else str(suspended),
+        "guarantee_suspended_because": None if suspended is None else words(suspended),
     }
 
 

@@ -66,7 +66,7 @@ class Recorded(Keeper):
         step = moment.step
         self._recording.add(step.frame, step.belief)
         for event in step.belief.events:
-            self._recording.event(event.named(self._team) if isinstance(event, Rejected) else str(event), "WARN")
+            self._recording.event(event.named(self._team) if isinstance(event, Rejected) else self._team.words(event), "WARN")
         for change in step.frame.changes:
             how = "is placed" if isinstance(change, Placed) else "has left"
             self._recording.event(f"{self._team.name(change.robot)} {how}")
@@ -83,8 +83,8 @@ class Recorded(Keeper):
         suspended = np.flatnonzero(belief.guarantee.lapsed & there(belief)).tolist()
         if suspended or self._guarantee != "in force":
             self._recording.suspended({robot: outers(belief)[robot] for robot in suspended})
-        if str(belief.guarantee) != self._guarantee:
-            self._guarantee = str(belief.guarantee)
+        if (told := self._team.words(belief.guarantee)) != self._guarantee:
+            self._guarantee = told
             self._recording.event(f"guarantee {self._guarantee}", "WARN" if suspended else "INFO")
 
     def _report(self, escapes: Escapes) -> None:

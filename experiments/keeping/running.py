@@ -96,7 +96,13 @@ class Running:
         """Return the summary of the run, with what else is told of it; what nobody tells is None."""
         robots, rate = self.scenario.team.robots, self.scenario.header.rate
         known: dict[str, Value] = {"robots": robots, "duration_s": self.metrics.steps / rate if rate else None, "rate_hz": rate}
-        return {**known, **dict.fromkeys(OF_ALL), **told, **self.metrics.summary(), "inconsistent": conflict}
+        return {
+            **known,
+            **dict.fromkeys(OF_ALL),
+            **told,
+            **self.metrics.summary(self.scenario.team.words),
+            "inconsistent": conflict,
+        }
 
     def _moment(self, step: Step[Any]) -> Moment:
         escapes = self.metrics.add(step.frame, step.belief, step.seconds)

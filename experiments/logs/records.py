@@ -84,18 +84,8 @@ class Header:
     def __post_init__(self) -> None:
         if self.version not in (FIRST, SECOND):
             raise InvalidInput(f"a log of version {FIRST} or {SECOND}", self.version)
-        if self.named or self.team.sensors or not _alike(self.team):
+        if self.team.is_named or self.team.sensors or not _alike(self.team):
             object.__setattr__(self, "version", SECOND)
-
-    @property
-    def named(self) -> bool:
-        """Whether robots or landmarks have names of their own."""
-        return self.team.names != numbered("r", self.team.robots) + numbered("l", len(self.team.landmarks))
-
-
-def numbered(letter: str, count: int) -> tuple[str, ...]:
-    """Return the names of what has none: r0, r1, ... for robots, l0, l1, ... for landmarks."""
-    return tuple(f"{letter}{number}" for number in range(count))
 
 
 def _alike(team: Team) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from experiments.logs.checks import AT_THE_CENTRE, field_names
-from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Record, TruthAt, numbered
+from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Record, TruthAt
 from filter import Array, Frame, InvalidInput, Left, Measurement, Odometry, Placed, Position, RelativeHeading, Team, Twist
 
 Object = dict[str, Any]
@@ -24,7 +24,7 @@ def header_object(header: Header) -> Object:
         "record": "header",
         "format": FORMAT,
         "version": header.version,
-        "robots": team.robots if names == numbered("r", team.robots) else names,
+        "robots": team.robots if names == Team(team.robots).names else names,
         "landmarks": _landmarks(team),
         "arena": arena,
         "speed_limit": _limit(names, team.speed_limit),
@@ -38,7 +38,7 @@ def header_object(header: Header) -> Object:
 
 def _landmarks(team: Team) -> list[list[float]] | dict[str, list[float]]:
     names, places = team.names[team.robots :], team.landmarks.tolist()
-    return places if names == numbered("l", len(places)) else dict(zip(names, places, strict=True))
+    return places if names == Team(1, places).names[1:] else dict(zip(names, places, strict=True))
 
 
 def _limit(names: Sequence[str], limits: Array) -> Any:
@@ -191,4 +191,4 @@ def _targets(header: Header, targets: list[int]) -> Object:
 
 def _called(header: Header, body: int) -> int | str:
     """Return a body's name, if the team has names, or else its number; landmarks are numbered from 0 on."""
-    return header.team.names[body] if header.named else int(body) - header.team.robots * (body >= header.team.robots)
+    return header.team.names[body] if header.team.is_named else int(body) - header.team.robots * (body >= header.team.robots)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from experiments.own_data.facts import Facts
-from experiments.own_data.kinds import COLUMNS, MESSAGES, STREAM_KINDS, fields_of, is_enough
+from experiments.own_data.kinds import COLUMNS, ENDS, MESSAGES, STREAM_KINDS, fields_of, is_enough
 from experiments.own_data.settings import Settings
 from experiments.own_data.stream import Stream
 from experiments.own_data.units import Door
@@ -145,6 +145,8 @@ def _fields(stream: Stream, topic: Topic, body: Mapping[str, str] | None) -> dic
         known = {name: name for name in COLUMNS[kind]}
         if "id" in STREAM_KINDS[kind].fields and body is None:
             known["id"] = "id"
+        if kind == "range_difference" and not stream.landmarks:
+            known |= {name: name for name in ENDS}
     else:
         known = MESSAGES[kind].get(topic.type, {})
     fields = fields_of(kind, known, stream.fields)
@@ -172,6 +174,22 @@ def _check_fields(stream: Stream, topic: Topic, fields: Mapping[str, str], facts
         _check_turning(stream, facts)
     if "latitude" in fields:
         _check_latitude(stream, facts)
+    if stream.kind == "range_difference":
+        _check_difference(stream, fields, facts)
+
+
+def _check_difference(stream: Stream, fields: Mapping[str, str], facts: Facts) -> None:
+    """Refuse a difference between what are no two landmarks whose places are known, or in an arena without end."""
+    told = [name for name in ENDS if name in fields]
+    if bool(stream.landmarks) == bool(told) or len(told) == 1:
+        expected = f'{stream.place}: the two landmarks, said once: landmarks = [first, second], or "first" and "second"'
+        raise InvalidInput(expected, " and ".join(["landmarks"] * bool(stream.landmarks) + told) or "neither")
+    for name in stream.landmarks:
+        if "landmark" not in (facts.body(name, stream.ids) or {}):
+            expected = f"{stream.place}: landmarks: names whose places are known: {nearest(name, list(facts.landmarks))}"
+            raise InvalidInput(expected, f'"{name}"')
+    if any(map(math.isinf, (*facts.arena[0], *facts.arena[1]))):
+        raise InvalidInput(f"{stream.place}: an arena without open ends, in which a range difference is read", "none")
 
 
 def _check_turning(stream: Stream, facts: Facts) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 from experiments.own_data.channels import Channel, channels
+from experiments.own_data.differences import DifferenceReading
 from experiments.own_data.driven import OdometryReading, TwistReading
 from experiments.own_data.mountings import TRANSFORMS, mountings
 from experiments.own_data.reading import Reading, Record, Unmeasured, placed
@@ -29,6 +30,7 @@ READINGS: dict[str, type[Reading]] = {
     "range": Sightings,
     "bearing": Sightings,
     "detections": Sightings,
+    "range_difference": DifferenceReading,
     "position": PositionReading,
     "truth": TruthReading,
 }

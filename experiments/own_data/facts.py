@@ -15,6 +15,7 @@ from filter import InvalidInput
 
 FORMAT, VERSION = "corral-log", 2
 OPEN = [[-math.inf, -math.inf], [math.inf, math.inf]]
+A_SET = "a table with box, vertices, or position and bound"
 LIMITS = {"speed_limit": "the greatest speed of a robot [m/s]", "turn_rate_limit": "how fast a robot can turn [rad/s]"}
 
 
@@ -36,7 +37,8 @@ class Facts:
     """What is known of the team for good, and at the start.
 
     Attributes:
-        robots: For each name what is known of it at the start, in the settings' order.
+        robots: For each name what is known of it at the start, in the settings' order; landmarks that are known only within
+            a set come last, as robots that never move.
         landmarks: For each name where it is [m].
         arena: Lower and upper corner [m], infinite where it is open.
         speed_limit: Of each robot [m/s].
@@ -45,6 +47,7 @@ class Facts:
         origin: Latitude and longitude of x = y = 0 [degrees], or None.
         ids: What the data call robots and landmarks besides their names.
         sensors: For each name how it is mounted, as the log's header has it.
+        standing: Those of the robots that are landmarks.
     """
 
     robots: Mapping[str, Initial]
@@ -56,6 +59,7 @@ class Facts:
     origin: tuple[float, float] | None
     ids: Mapping[str, str]
     sensors: Mapping[str, dict[str, Any]]
+    standing: frozenset[str] = frozenset()
 
     def check(self, place: str) -> None:
         """Refuse robots of which nobody says where they are.
@@ -74,6 +78,10 @@ class Facts:
         if name in self.robots:
             return {"target": name}
         return {"landmark": name} if name in self.landmarks else None
+
+    def carries_tags(self, body: Mapping[str, str]) -> bool:
+        """Return whether who is measured is a robot, which can have a tag; landmarks are where they are."""
+        return "target" in body and body["target"] not in self.standing
 
     def header(self, start: float) -> dict[str, Any]:
         """Return the log's header."""
@@ -108,12 +116,14 @@ def read_facts(team: Table, robots: Mapping[str, Table]) -> Facts:
     """
     common = {name: team.number_or(name, "a number from 0 on", math.nan, least=0.0) for name in LIMITS}
     limits = {name: {robot: _limit(table, name, common[name]) for robot, table in robots.items()} for name in LIMITS}
-    known = {robot: _initial(table) for robot, table in robots.items()}
-    landmarks = _landmarks(team, known)
+    landmarks, standing = _landmarks(team, robots)
+    known = {robot: _initial(table) for robot, table in robots.items()} | standing
+    for limit in limits.values():
+        limit.update(dict.fromkeys(standing, 0.0))
     arena = _box(team, "arena", open_ends=True) if team.has("arena") else OPEN
     start = team.number("start", "a time [s]") if team.has("start") else None
     ids = _ids(team, [*known, *landmarks])
-    further = _origin(team), ids, read_sensors(team)
+    further = _origin(team), ids, read_sensors(team), frozenset(standing)
     return Facts(known, landmarks, arena, limits["speed_limit"], limits["turn_rate_limit"], start, *further)
 
 
@@ -171,12 +181,21 @@ def _corners(low: list[float], high: list[float]) -> list[list[float]]:
     return [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
 
 
-def _landmarks(team: Table, robots: Mapping[str, Initial]) -> dict[str, list[float]]:
+def _landmarks(team: Table, robots: Mapping[str, Table]) -> tuple[dict[str, list[float]], dict[str, Initial]]:
+    """Return the landmarks whose places are known, and those that are known only within a set."""
     marks = team.table_or_empty("landmarks", "a name and [x, y] for each")
-    landmarks = {name: marks.numbers(name, "[x, y]", 2) for name in marks.names()}
-    if twice := sorted(set(landmarks) & set(robots)):
+    if twice := sorted(set(marks.names()) & set(robots)):
         raise InvalidInput(f"{team.place}: each name for one robot or landmark", f'"{twice[0]}" for both')
-    return landmarks
+    standing = {name: _standing(marks.table(name, "a table")) for name in marks.names() if marks.is_table(name)}
+    return {name: marks.numbers(name, f"[x, y], or {A_SET}", 2) for name in marks.names()}, standing
+
+
+def _standing(mark: Table) -> Initial:
+    initial = Initial(_vertices(mark))
+    mark.end()
+    if initial.vertices is None:
+        raise InvalidInput(f"{mark.place}: {A_SET}", "none of these")
+    return initial
 
 
 def _ids(team: Table, names: list[str]) -> dict[str, str]:

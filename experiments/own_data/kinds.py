@@ -33,6 +33,7 @@ class StreamKind:
     conventions: bool = True
 
 
+ENDS = ("first", "second")  # fields that name the two landmarks of a difference
 POSE = ("x", "y", "heading"), ("x", "y", "orientation")
 STREAM_KINDS: dict[str, StreamKind] = {
     "odometry": StreamKind(
@@ -73,6 +74,9 @@ STREAM_KINDS: dict[str, StreamKind] = {
         {},
         pairs=True,
     ),
+    "range_difference": StreamKind(
+        ("difference", "first", "second"), (("difference",),), {"bound": LENGTH}, {}, pairs=True, conventions=False
+    ),
     "position": StreamKind(
         ("x", "y", "latitude", "longitude", "status", "variance_x", "variance_y"),
         (("latitude", "longitude"), ("x", "y")),
@@ -96,6 +100,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "range": ("range",),
     "bearing": ("bearing",),
     "detections": ("range", "bearing"),
+    "range_difference": ("difference",),
     "position": ("x", "y"),
     "truth": ("x", "y"),
 }
@@ -139,6 +144,7 @@ MESSAGES: dict[str, dict[str, dict[str, str]]] = {
     "range": {"sensor_msgs/msg/Range": {"range": "range", "least": "min_range", "greatest": "max_range"}},
     "bearing": {},
     "detections": {},
+    "range_difference": {},
     "position": {
         "geometry_msgs/msg/PoseStamped": _without_heading(_PLAIN_POSE),
         "geometry_msgs/msg/PoseWithCovarianceStamped": _without_heading(_DEEP_POSE) | _PLACE_VARIANCES,

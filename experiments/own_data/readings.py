@@ -45,8 +45,8 @@ class Sightings(Reading):
 
     def _of_one(self, entry: Mapping[str, Any], message: Message, stamp: int) -> list[Record]:
         body, found, mounted = self._body(entry), list[Record](), dict(self.stream.sensors)
-        if "target" not in body:
-            mounted.pop("target_sensor", None)  # landmarks are where they are
+        if not self.facts.carries_tags(body):
+            mounted.pop("target_sensor", None)
         body |= mounted
         if "bearing" in entry:
             found.append(self.head("bearing", stamp) | body | self._bearing(entry, message.place))

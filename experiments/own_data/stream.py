@@ -16,6 +16,7 @@ from filter import InvalidInput
 
 PLACEHOLDERS = ("robot", "target")
 RIGHT_ANGLE = math.nextafter(math.pi / 2, 0)
+AT_ONE = ("compass", "position", "range_difference")  # kinds of what one sensor measures by itself
 LARGEST_ERROR = "the largest error that there ever is"
 # What bounds on angles and their rates do not exceed; half a circle where nothing is said [rad, rad/s].
 LARGEST = {
@@ -71,6 +72,7 @@ class Stream:
         sideways: Whether the robot can drive to its side.
         sensor: Which of the team's sensors measures; "" for one at the robot's centre that looks forward.
         target_sensor: Which one it measures, on robots, likewise.
+        landmarks: The two that a range difference is between, if the settings say it.
     """
 
     kind: str
@@ -92,6 +94,7 @@ class Stream:
     sideways: bool = False
     sensor: str = ""
     target_sensor: str = ""
+    landmarks: tuple[str, ...] = ()
 
     @property
     def sensors(self) -> dict[str, str]:
@@ -225,7 +228,7 @@ def _declared(kind: str, name: str, table: Table, door: Door) -> Bound:
 
 def _mounted(what: StreamKind, kind: str, table: Table) -> dict[str, Any]:
     """Return the keys of what sensors measure."""
-    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind in ("compass", "position") else []
+    keys = ["sensor", "target_sensor"] if "id" in what.fields else ["sensor"] if kind in AT_ONE else []
     return {key: table.text_or(key, "the name of one in [team.sensors]", "") for key in keys}
 
 
@@ -236,4 +239,9 @@ def _further(kind: str, table: Table) -> dict[str, Any]:
     if kind == "twist":
         hold = table.number("hold", "how long it holds if no other comes [s]", least=0.0)
         return {"hold": hold, "sideways": table.flag("sideways")}
+    if kind == "range_difference" and table.has("landmarks"):
+        names = table.list_of_texts("landmarks", "the names of two [first, second]")
+        if len(set(names)) != 2 or len(names) != 2:
+            raise table.refuse("landmarks", "the names of two [first, second]", names)
+        return {"landmarks": tuple(names)}
     return {}

@@ -40,6 +40,10 @@ class Table:
             return False
         return not self.flag(name)
 
+    def is_table(self, name: str) -> bool:
+        """Return whether there is a table of that name."""
+        return isinstance(self._values.get(name), dict)
+
     def names(self) -> list[str]:
         """Return the keys that nobody has taken yet, in the file's order."""
         return list(self._values)

@@ -95,7 +95,7 @@ def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterat
         resets = sum(isinstance(event, Restarted) for event in events)
         doubted = [event for event in events if isinstance(event, Distrusted | Turned | Late) and event.aside]
         located = Within(belief.regions, belief.headings.turned(0.0, jitter))
-        words = tuple(map(str, events))
+        words = tuple(map(scenario.team.words, events))
         aside = tuple(named(event, scenario.team) for event in doubted)
         silent = ~np.isin(np.arange(scenario.team.robots), [] if told.odometry is None else told.odometry.robot)
         guarantees = belief.guarantee, lapsed(belief.guarantee, events)
@@ -145,9 +145,10 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
         begin = perf_counter()
         belief, conflict = _stepped(plain, belief, frame)
         rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
-        words = (*map(str, belief.events), *([f"started over: {conflict}"] if conflict else []))
+        why = scenario.team.words(conflict)
+        words = (*map(scenario.team.words, belief.events), *([f"started over: {why}"] if conflict else []))
         resets = len(silent) if conflict else 0
-        guarantees = belief.guarantee, belief.guarantee.suspended(frame.time, str(conflict)) if conflict else belief.guarantee
+        guarantees = belief.guarantee, belief.guarantee.suspended(frame.time, why) if conflict else belief.guarantee
         yield Followed(frame, belief, *guarantees, silent, rejected, resets, (), words, perf_counter() - begin)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.following.metrics import Words
 from filter import Array, Belief, Compass, Integers, Proof, Source, Step
 from filter.linear.sources import in_order
 from filter.sensing.readings import Readings
@@ -105,14 +106,14 @@ def _compass(step: Step[Belief], source: Source) -> Iterator[Source]:
         yield from Readings.of(source.time, compasses).concerning(source.robot)
 
 
-def in_words(sources: Sequence[Source]) -> str:
-    """Return sources as text, those of one kind between the same two together."""
+def in_words(sources: Sequence[Source], words: Words = str) -> str:
+    """Return sources as text in the words of a team, those of one kind between the same two together."""
     alike: dict[Source, list[Source]] = defaultdict(list)
     for source in sources:
         alike[replace(source, time=0.0)].append(source)
-    words = []
+    told = []
     for each in alike.values():
-        who, when = str(each[0]).rpartition(" at ")[0], [source.time for source in each]
+        who, when = words(each[0]).rpartition(" at ")[0], [source.time for source in each]
         several = f"{who} at {len(when)} times from {min(when):.3f} s to {max(when):.3f} s"
-        words.append(several if len(when) > 1 else str(each[0]))
-    return "; ".join(words)
+        told.append(several if len(when) > 1 else words(each[0]))
+    return "; ".join(told)

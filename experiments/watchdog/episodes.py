@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.following.metrics import Words
 from experiments.watchdog.behind import WORLD, Edge, in_words, traced
 from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.judge import Verdict
@@ -42,11 +43,11 @@ class Episode:
         grown = replace(self, end=time, poses=self.poses + 1)
         return replace(grown, worst=alarm, worst_time=time, steps=steps) if alarm.distance > self.worst.distance else grown
 
-    def told(self) -> tuple[Episode, str]:
-        """Return the episode without its steps, and what is behind its worst alarm, in words."""
+    def told(self, words: Words) -> tuple[Episode, str]:
+        """Return the episode without its steps, and what is behind its worst alarm, in the words of the team."""
         edge = Edge(self.worst.time, WORLD, self.worst.robot, self.worst.normal)
         behind = traced(self.steps, [edge]) or self.worst.sources  # regions that no update has found have no proofs
-        return replace(self, steps=()), in_words(behind)
+        return replace(self, steps=()), in_words(behind, words)
 
 
 class Episodes:
@@ -56,8 +57,9 @@ class Episodes:
         ended: Episodes, and what is behind each; all of them once `end` was called.
     """
 
-    def __init__(self) -> None:
-        self._open: dict[str, Episode] = {}
+    def __init__(self, words: Words = str) -> None:
+        """Begin with none; words are those of the team, which has names."""
+        self._words, self._open = words, dict[str, Episode]()
         self._count = 0
         self.ended: list[tuple[Episode, str]] = []
 
@@ -87,4 +89,4 @@ class Episodes:
 
     def _end(self, trajectory: str) -> None:
         if (episode := self._open.pop(trajectory, None)) is not None:
-            self.ended.append(episode.told())
+            self.ended.append(episode.told(self._words))

@@ -13,7 +13,7 @@ from experiments.show.terminal import StepProgress
 from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.episodes import Episode, Episodes
 from experiments.watchdog.judge import Judge, Verdict
-from filter import Belief, SetMembershipFilter, Step
+from filter import Belief, SetMembershipFilter, Step, Team
 
 PLACE = ("normal_x", "normal_y", "offset_m", "moved_m", "frame_s")
 ALARM = ("time_s", "robot", "trajectory", "distance_m", *PLACE, "episode", "sources")
@@ -25,6 +25,7 @@ class Judged:
     """Collects verdicts on what other estimators claim.
 
     Attributes:
+        team: Of whom.
         claims: What is judged.
         first: Poses later than this are judged [s].
         last: Poses not later than this are, or were so far [s].
@@ -32,9 +33,9 @@ class Judged:
         alarms: How many of them are proved wrong.
     """
 
-    def __init__(self, claims: Sequence[Claimed], first: float, last: float) -> None:
-        self.claims, self.first, self.last, self.checks, self.alarms = claims, first, last, 0, 0
-        self._episodes = Episodes()
+    def __init__(self, team: Team, claims: Sequence[Claimed], first: float, last: float) -> None:
+        self.team, self.claims, self.first, self.last, self.checks, self.alarms = team, claims, first, last, 0, 0
+        self._episodes = Episodes(team.words)
 
     @property
     def episodes(self) -> Sequence[tuple[Episode, str]]:
@@ -48,8 +49,14 @@ class Judged:
             episodes = self._episodes.add(claimed, verdict, through)
             self.checks += int(verdict.judged.sum())
             self.alarms += len(episodes)
-            rows += [_row(claimed, verdict, robot, episode) for robot, episode in episodes.items()]
+            rows += [self._row(claimed, verdict, robot, episode) for robot, episode in episodes.items()]
         return rows
+
+    def _row(self, claimed: Claimed, verdict: Verdict, robot: int, episode: Episode) -> Row:
+        alarm = verdict.alarms[robot]
+        place = (*alarm.normal.tolist(), alarm.offset, verdict.moved[robot], alarm.time)
+        sources = "; ".join(map(self.team.words, alarm.sources))
+        return (verdict.time, self.team.name(robot), claimed.name, alarm.distance, *place, episode.number, sources)
 
     def end(self) -> None:
         """End the episodes that go on: there is no further step."""
@@ -59,9 +66,9 @@ class Judged:
 class Watching(Judged):
     """Judges what other estimators claim as a filter goes through a log."""
 
-    def __init__(self, judge: Judge, claims: Sequence[Claimed], back: float) -> None:
+    def __init__(self, team: Team, judge: Judge, claims: Sequence[Claimed], back: float) -> None:
         """Prepare for alarms to be traced back so far [s]."""
-        super().__init__(claims, judge.first, judge.last)
+        super().__init__(team, claims, judge.first, judge.last)
         self._judge, self._back, self._steps, self._frame = judge, back, deque[Step[Belief]](), 0
 
     def run(self, scenario: Scenario, path: Path) -> None:
@@ -92,13 +99,6 @@ class Watching(Judged):
         self._steps.append(step)
         while len(self._steps) > 2 and self._steps[0].frame.time < self._steps[-2].frame.time - self._back:
             self._steps.popleft()
-
-
-def _row(claimed: Claimed, verdict: Verdict, robot: int, episode: Episode) -> Row:
-    alarm = verdict.alarms[robot]
-    place = (*alarm.normal.tolist(), alarm.offset, verdict.moved[robot], alarm.time)
-    sources = "; ".join(map(str, alarm.sources))
-    return (verdict.time, f"r{robot}", claimed.name, alarm.distance, *place, episode.number, sources)
 
 
 def write_episodes(path: Path, episodes: Sequence[tuple[Episode, str]]) -> None:

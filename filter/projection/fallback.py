@@ -1,6 +1,6 @@
 """Projections by solvers, for those who chose them and where a walk is lost: where one fails, by the next."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from filter.linear.solvers import Solver, Workspace, deepest_point, name_of, wor
 from filter.projection.proved import HalfPlanes, Projection
 from filter.projection.search import project
 from filter.projection.stop import IsOver, Stop, never
+from filter.team import Team
 
 # Where what is proved differs from what a solver found by more than this share of the box, another solver is asked.
 LOOSE = 1e-3
@@ -33,8 +34,15 @@ class Fallback:
     seen_from: int | None = None
 
     def __str__(self) -> str:
-        what = "the deepest point" if self.robot is None else f"the region of robot {self.robot}"
-        what += "" if self.seen_from is None else f" seen from robot {self.seen_from}"
+        return self._in_words("robot {}".format)
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the names that a team has for robots."""
+        return self._in_words(team.name)
+
+    def _in_words(self, called: Callable[[int], str]) -> str:
+        what = "the deepest point" if self.robot is None else f"the region of {called(self.robot)}"
+        what += "" if self.seen_from is None else f" seen from {called(self.seen_from)}"
         return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
 
 

@@ -1,5 +1,6 @@
 """What the robust filter knows at one time, and what happened on the way: rejected, contradictory, put aside, started over."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,7 @@ from filter.robust.trust import Trust
 from filter.robust.votes import Votes
 from filter.sets.belief import Rejected
 from filter.sets.regions import Region
+from filter.team import Team
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,14 @@ class Disagreement:
     suspects: tuple[Source, ...]
 
     def __str__(self) -> str:
-        return f"on robot {self.robot} disagree, one of them is wrong: {'; '.join(map(str, self.suspects))}"
+        return self._in_words(f"robot {self.robot}", map(str, self.suspects))
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the names that a team has for robots and landmarks."""
+        return self._in_words(team.name(self.robot), (source.named(team) for source in self.suspects))
+
+    def _in_words(self, robot: str, suspects: Iterable[str]) -> str:
+        return f"on {robot} disagree, one of them is wrong: {'; '.join(suspects)}"
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,14 @@ class Restarted:
     because: str
 
     def __str__(self) -> str:
-        return f"robot {self.robot} starts over, guarantee suspended since {self.suspended_since:.3f} s: {self.because}"
+        return self._in_words(f"robot {self.robot}")
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the name that a team has for the robot."""
+        return self._in_words(team.name(self.robot))
+
+    def _in_words(self, robot: str) -> str:
+        return f"{robot} starts over, guarantee suspended since {self.suspended_since:.3f} s: {self.because}"
 
 
 @dataclass(frozen=True)
@@ -78,10 +94,18 @@ class Distrusted:
     pairs: tuple[int, ...]
 
     def __str__(self) -> str:
-        name = f"{self.sensor} of {self.kind} {self.body}"
+        role = "of" if self.sensor == "camera" else "by robots"
+        return self._in_words(f"{self.kind} {self.body}", role, map(str, self.pairs))
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the names that a team has for robots and landmarks."""
+        return self._in_words(team.name(self.body), "of" if self.sensor == "camera" else "by", map(team.name, self.pairs))
+
+    def _in_words(self, body: str, role: str, pairs: Iterable[str]) -> str:
+        name = f"{self.sensor} of {body}"
         if not self.aside:
             return f"{name} trusted again at {self.time:.3f} s"
-        role, bodies = ("of" if self.sensor == "camera" else "by robots"), ", ".join(map(str, self.pairs))
+        bodies = ", ".join(pairs)
         return f"{name} put aside at {self.time:.3f} s: sightings {role} {bodies} contradict regions since {self.since:.3f} s"
 
 
@@ -110,11 +134,18 @@ class Turned:
     since: float
 
     def __str__(self) -> str:
+        return self._in_words(f"robot {self.robot}")
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the name that a team has for the robot."""
+        return self._in_words(team.name(self.robot))
+
+    def _in_words(self, robot: str) -> str:
         by = f"by {np.degrees(self.offset):+.0f} +- {np.degrees(self.deviation):.0f} degrees"
-        told = f"as robot {self.robot} drives, its bearings are off {by} (evidence, no proof)"
+        told = f"as {robot} drives, its bearings are off {by} (evidence, no proof)"
         if not self.aside:
-            return f"camera of robot {self.robot} trusted again at {self.time:.3f} s: {told}"
-        return f"camera of robot {self.robot} suspected to be turned since {self.since:.0f} s: {told}; its heading can be any"
+            return f"camera of {robot} trusted again at {self.time:.3f} s: {told}"
+        return f"camera of {robot} suspected to be turned since {self.since:.0f} s: {told}; its heading can be any"
 
 
 @dataclass(frozen=True)
@@ -139,11 +170,18 @@ class Late:
     since: float
 
     def __str__(self) -> str:
+        return self._in_words(f"robot {self.robot}")
+
+    def named(self, team: Team) -> str:
+        """Return it in words, with the name that a team has for the robot."""
+        return self._in_words(team.name(self.robot))
+
+    def _in_words(self, robot: str) -> str:
         by = f"{abs(self.delay):.2f} +- {self.deviation:.2f} s too {'late' if self.delay > 0 else 'early'}"
-        told = f"as robot {self.robot} turns, its pictures are stamped {by} (evidence, no proof)"
+        told = f"as {robot} turns, its pictures are stamped {by} (evidence, no proof)"
         if not self.aside:
-            return f"camera of robot {self.robot} trusted again at {self.time:.3f} s: {told}"
-        return f"camera of robot {self.robot} suspected to be late since {self.since:.0f} s: {told}; nothing of it is merged"
+            return f"camera of {robot} trusted again at {self.time:.3f} s: {told}"
+        return f"camera of {robot} suspected to be late since {self.since:.0f} s: {told}; nothing of it is merged"
 
 
 RobustEvent = Rejected | Disagreement | Restarted | Distrusted | Turned | Late

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Integers, read_only
+from filter.geometry.many import clip_boxes
 from filter.linear.sources import NOBODY, Kind, Source, Sources
 from filter.records.measurements import Bearing, Compass, Measurement, Position, Range
 from filter.records.record import AT_THE_CENTRE, CENTRE, Sighting, field_names
@@ -24,6 +25,7 @@ COMPASSES, BEARINGS, RANGES, POSITIONS, RELATIVES = range(len(KIND_OF))  # place
 ROWS = slice(BEARINGS, RELATIVES)  # of those that make rows
 WHO = ("robot", "target", "sensor", "target_sensor")
 AT = "at"  # the column of instants
+OUTERMOST = 1e9  # that half-planes meet farther out is no matter [m]
 NO_VALUES = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
 
 
@@ -110,6 +112,18 @@ class Readings(NamedTuple):
         alone = count**2 + np.arange(len(record.robot)) + (0 if isinstance(record, Bearing) else sizes[0])
         doubtful = self.mountings.time_bound[record.sensor] > 0
         return np.where(doubtful, alone, first * count + last), count**2 + sum(sizes)
+
+    def place_somebody_nowhere(self) -> bool:
+        """Return whether positions of one robot at one instant, all by one sensor, have nothing in common, for sure."""
+        record = self.positions
+        if not len(record.robot):
+            return False
+        who = np.stack([record.robot, record.sensor, self.at[POSITIONS]])
+        _, which, count = np.unique(who, axis=1, return_inverse=True, return_counts=True)
+        order, end = np.argsort(which.ravel(), kind="stable"), np.cumsum(count)
+        farthest = np.full((len(count), 2), OUTERMOST)
+        clipped = clip_boxes(record.normals[order], record.offset[order], (end - count, end), -farthest, farthest)
+        return bool(clipped.empty.any())
 
     def tie_robots(self, robots: int) -> bool:
         """Return whether one of n robots measured another."""

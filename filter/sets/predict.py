@@ -31,7 +31,7 @@ def moved(belief: Belief, time: float, moves: Displacements | Moves, arena: Arra
     outside = np.flatnonzero((lower > upper).any(axis=1))
     if len(outside):
         robot = int(outside[0])
-        raise Inconsistent(f"robot {robot} has left the arena by {time} s", [Source("region", belief.time, robot)])
+        raise Inconsistent(f"has left the arena by {time} s", [Source("region", belief.time, robot)], robot)
     rows, sources = belief.constraints, belief.sources
     if corners:
         through, sources = rows_through_corners(belief, moves)

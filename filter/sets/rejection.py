@@ -45,7 +45,7 @@ def agreeing(merge: Merge, measurements: tuple[Measurement, ...], cases: Sequenc
                 raise Inconsistent(NOTHING_TO_DROP, conflicts[-1].sources) from None
             return conflicts[-1]
         events = tuple(dropped[reading] for reading in sorted(dropped))
-        guarantee = belief.guarantee.suspended(belief.time, str(events[0])) if events else belief.guarantee
+        guarantee = belief.guarantee.suspended(belief.time, cases[0].team.words(events[0])) if events else belief.guarantee
         return replace(belief, events=events + belief.events, guarantee=guarantee)
 
     def candidates(conflict: Conflict) -> Dropped:

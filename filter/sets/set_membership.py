@@ -31,7 +31,7 @@ from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sensing.since import Moves, Since
-from filter.sets.belief import Belief, Moved
+from filter.sets.belief import Belief, Event, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
@@ -112,7 +112,7 @@ class SetMembershipFilter(Frozen):
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
         outside = np.flatnonzero((lower > upper).any(axis=1))
         if len(outside):
-            raise InvalidInput("initial polygons that reach into the arena", f"robot {outside[0]} wholly outside")
+            raise InvalidInput("initial polygons that reach into the arena", f"{self.team.called(outside[0])} wholly outside")
         sources, numbers = Sources().extended("initial set", begin, np.arange(self.team.robots))
         j = np.repeat(numbers, [len(polygon.offsets) for polygon in polygons])
         normals, offsets = (np.concatenate([getattr(each, name) for each in polygons]) for name in ("normals", "offsets"))
@@ -132,7 +132,7 @@ class SetMembershipFilter(Frozen):
         """
         self.team.check_belief(belief, Belief, "headings")
         which = whole_number("robot", robot, 0, self.team.robots - 1)
-        alone = replace(self, team=Team(1, arena=self.team.arena)).start(belief.time, [polygon], heading)
+        alone = replace(self, team=Team([self.team.name(which)], arena=self.team.arena)).start(belief.time, [polygon], heading)
         return belief.with_robot(which, alone)
 
     def changed(self, belief: Belief, change: Change) -> Belief:
@@ -157,7 +157,7 @@ class SetMembershipFilter(Frozen):
             after = self._predicted(before, (time, odometry), self.team.arena)
         except Inconsistent as error:
             conflict = conflict_of(error, [Premises(before, (time, odometry), (), self.team, self._excludes)])
-            raise Inconsistent(error.what, conflict.sources) from None
+            raise Inconsistent(error.what, conflict.sources, error.robot) from None
         return replace(after, moved=Moved(before, odometry))
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
@@ -181,24 +181,25 @@ class SetMembershipFilter(Frozen):
         try:
             return self._updated(belief, records, is_over)
         except Inconsistent as error:
-            raise Inconsistent(error.what, conflict_of(error, cases).sources) from None
+            raise Inconsistent(error.what, conflict_of(error, cases).sources, error.robot) from None
 
     def advance(self, belief: Belief, frames: Sequence[Frame]) -> Belief:
         """Return the belief after several instants, at the last of them: by one prediction and one update.
 
         It costs about as much as one step, and says nearly as much as one for each. Where a robot is in doubt, of which cells
-        would say more, or where something is in conflict, it is a step for each. Raises what `predict` and `update` raise.
+        would say more, or something is in conflict, it is a step for each, with the events of all. Raises what these raise.
         """
         steps = several("frames", frames, Frame)
         alike = len(steps) > 1 and not any(frame.changes for frame in steps)
-        together = self._together(belief, steps) if alike else None
-        if together is not None:
+        if alike and (together := self._together(belief, steps)) is not None:
             return together
+        events = list[Event]()
         for frame in steps:
             moved = frame.time != belief.time or frame.odometry is not None
             belief = self.predict(belief, frame.time, frame.odometry) if moved else belief
             belief = self.update(reduce(self.changed, frame.changes, belief), frame.measurements)
-        return belief
+            events += belief.events
+        return replace(belief, events=tuple(events)) if steps else belief
 
     def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
         """Return the belief after several instants; None where a step for each may say more, or what is in conflict."""
@@ -211,6 +212,8 @@ class SetMembershipFilter(Frozen):
             frames = [replace(frame, odometry=belief.guarantee.of_those_there(frame.odometry)) for frame in frames]
         since = Since.of(self.team, belief.headings, belief.time, frames)
         readings = Readings.of(time, records, since, self.team.mountings)
+        if readings.place_somebody_nowhere():  # what moves since would make room for
+            return None
         is_over = self.budget.begin() if self.budget else never
         try:
             looks, moves = looks_at_a_glance(since, readings)

@@ -31,6 +31,7 @@ SAMPLES = {
     str: "words",
     float: 1.5,
     int: 3,
+    int | None: 2,
     Path: Path("folder/log.jsonl"),
     Any: [1.0, "anything"],
     object: "a reason",

@@ -86,7 +86,7 @@ def test_a_log_gives_back_the_same_records_bit_for_bit(log):
 
 def test_a_log_gives_back_the_same_team_and_initial_sets_bit_for_bit(log):
     reader = LogReader(log)
-    team = NAMED if reader.header.named else PLAIN
+    team = NAMED if reader.header.team.is_named else PLAIN
     assert told(reader.header.team) == told(team)
     assert (reader.header.start, reader.header.version) == (-0.5, 2)
     assert [*map(told, reader.initial)] == [*map(told, START)]
@@ -101,7 +101,7 @@ def test_a_copy_of_a_log_is_the_same_file(log, tmp_path):
 
 
 def test_who_has_a_name_is_called_by_it(log):
-    named = LogReader(log).header.named
+    named = LogReader(log).header.team.is_named
     assert (b'"alice"' in log.read_bytes()) == (b'"gate"' in log.read_bytes()) == named
 
 
@@ -151,7 +151,7 @@ def test_the_truth_of_single_robots_is_put_together(tmp_path):
     (found,) = LogReader(path).frames()
     assert told(found.truth) == told(Truth(np.full((2, 2), np.nan), [np.nan, 0.5]))
     path.write_text(text_of(bob, alice, bob, frame))
-    with pytest.raises(InvalidLog, match=r"line 6: .*one truth of each robot a frame; came another of robot 1"):
+    with pytest.raises(InvalidLog, match=r"line 6: .*one truth of each robot a frame; came another of bob"):
         list(LogReader(path).frames())
 
 

@@ -68,7 +68,7 @@ class InitialSets:
     """Gathers the initial sets that follow a header; in version 2 a robot without one is not there yet."""
 
     def __init__(self, header: Header) -> None:
-        self._robots, _ = bodies_of(header)
+        self._header, (self._robots, _) = header, bodies_of(header)
         self._first, self._found = header.version == FIRST, dict[int, InitialSet]()
 
     @property
@@ -87,7 +87,7 @@ class InitialSets:
         record.expect("initial")
         robot = record.robot(self._robots)
         if robot in self._found:
-            raise InvalidInput("one initial set a robot", f"robot {robot} again")
+            raise InvalidInput("one initial set a robot", f"{self._header.team.called(robot)} again")
         self._found[robot] = read_set(record)
         record.end()
         return True

@@ -55,6 +55,13 @@ def in_order(filter_, belief, records):
     return step.belief
 
 
+def test_a_time_that_was_asked_for_stays_a_step_when_something_late_comes_before_it():
+    lag = FixedLag(SetMembershipFilter(HALL))
+    known = lag.merge(lag.begin(lag.inner.start(0.0, START)), [Frame(0.4)])
+    known = lag.merge(known, [Compass(0.2, 0, 0.5, 0.1)])
+    assert [step.belief.time for step in known.steps] == [0.0, 0.2, 0.4]
+
+
 @pytest.mark.parametrize("kind", [RobustFilter, SetMembershipFilter])
 @pytest.mark.parametrize("seed", range(2))
 def test_late_measurements_give_the_belief_of_those_in_order(kind, seed):

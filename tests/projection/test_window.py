@@ -94,6 +94,14 @@ def test_links_know_who_has_no_rows():
     assert [np.diff(who.near_first).tolist(), who.near.tolist()] == [[0, 1, 0, 1, 0], [3, 1]]
 
 
+def test_links_have_the_mates_of_each_robot_in_order():
+    i, j = np.triu_indices(4, 1)
+    rows = Constraints(i, j, np.tile([[1.0, 0.0]], (6, 1)), np.ones(6), np.zeros(6, dtype=int))
+    who = links_of(Polytope(rows, np.zeros((4, 2)), np.ones((4, 2))))
+    assert np.split(who.near, who.near_first[1:-1])[2].tolist() == [0, 1, 3]
+    assert np.split(who.near_pair, who.near_first[1:-1])[2].tolist() == [1, 3, 5]
+
+
 @pytest.mark.parametrize("members", [[0, 1, 2, 3], [2, 0]])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_program_is_the_teams_in_units_of_its_boxes(seed, members):

@@ -72,6 +72,16 @@ def test_the_way_to_a_target_was_another_one_by_no_more_than_is_said(seed):
         assert np.hypot(*(now - then - by[k])) <= radius[k] + ROUNDING
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_discs_since_an_instant_are_the_sums_of_those_on_the_way(seed):
+    _, since, readings, _ = instants(seed)
+    _, moves = looks_at_a_glance(since, readings)
+    (centre, radius), (middle, each, _) = moves.discs, moves.sets.discs
+    for k in range(5 * moves.robots):
+        assert centre[k] == pytest.approx(middle[k :: moves.robots].sum(axis=0), abs=1e-15)
+        assert each[k :: moves.robots].sum() <= radius[k] <= each[k :: moves.robots].sum() + 1e-10
+
+
 def test_one_instant_is_a_motion():
     team = Team(2, speed_limit=0.5, turn_rate_limit=1.0)
     arcs, driven = AngularIntervals([0.3, -2.0], [0.1, 0.2]), Odometry(0.0, 0.5, 1, 0.2, 0.01, 0.1, 0.02, 0.03, 0.004)

@@ -1,6 +1,5 @@
 """Positions of antennas: runs with them are proved from the log alone, and no row that a place which they allow would break."""
 
-import json
 import shutil
 from collections import Counter
 from fractions import Fraction
@@ -17,14 +16,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from experiments import prove
+from experiments.following.checks import Checks
+from experiments.logs import Header, InitialSet, LogWriter
 from experiments.proof.edges import WORLD, plane
 from experiments.proof.exact import arc_around
-from experiments.proof.given.frame import Behind, Frame, Reading, Within
+from experiments.proof.given.frame import Behind, Reading, Within
+from experiments.proof.given.frame import Frame as Given
+from experiments.proof.given.log import Log
 from experiments.proof.given.sensors import CENTRE, Mounts
 from experiments.proof.measured import PLACED, Instant, of_measurement
 from experiments.proof.sides import Sides
 from experiments.prove import HEADINGS, LINES
 from experiments.prove import prove as links_of
+from filter import Frame, Position, Sensor, Team
 
 LOG = "log.jsonl"
 SENSORS = {"mast": {"position": [0.4, -0.3], "position_bound": 0.02}, "exact": {"position": [-0.2, 0.1]}}
@@ -67,12 +71,16 @@ def test_far_from_the_origin_it_is_proved_as_well(tmp_path):
     assert links_of(followed(tmp_path, 0, "--light", world=world, frames=2, placed=0.8), silent)[PLACED] > 10
 
 
-def test_each_antenna_counts_as_one_measurement(folder):
-    summary = json.loads((folder / "summary.json").read_text())
-    records = [json.loads(line) for line in (folder / LOG).read_text().splitlines()]
-    placed = {(each["time"], str(each["robot"]), str(each.get("sensor"))) for each in records if each["record"] == "position"}
-    others = [each for each in records if each["record"] in ("compass", "bearing", "range")]
-    assert summary["measurements"] == len(placed) + sum(len(each["robot"]) for each in others)
+def test_each_antenna_counts_as_one_measurement_also_in_one_record(tmp_path):
+    team = Team(2, sensors=[Sensor("mast", [0.4, 0.0]), Sensor("twin", [0.4, 0.0])])
+    sides, who, by = [1.0, -1.0, 1.0, -1.0, 1.0, 1.0], [0, 0, 0, 0, 0, 1], [0, 0, 1, 1, -1, 0]
+    record = Position(0.5, who, sides, 0.0, 9.0, by)
+    with LogWriter(tmp_path / LOG, Header(team, 0.0), [InitialSet(np.zeros((1, 2)))] * 2) as log:
+        log.write(Frame(0.5, None, [record]))
+    (frame,), counted = Log(tmp_path).frames, Checks()
+    counted.measured(record)
+    assert frame.measurements == counted.measurements == 4
+    assert [mount.place for _, mount in frame.places[0]] == [(Fraction(0.4), 0)] * 4 + [(0, 0)]
 
 
 def mounts(log, key, by):
@@ -162,10 +170,10 @@ def exactly(*values):
 def instant(place, mount, heading, compass):
     """Return what is known of a robot: where its antenna is, how it looks by (centre, bound), and what a compass says of it."""
     reading = Reading(*exactly(*compass))
-    frame = Frame(0.0, {("compass", 0, None): [reading]}, {0: [(place, mount)]})
+    told = Given(0.0, {("compass", 0, None): [reading]}, {0: [(place, mount)]})
     box = {plane(side): Fraction(10) for side in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))}
     log = SimpleNamespace(robots=1, landmarks=[])
-    return Instant(log, frame, [arc_around(*map(float, heading))], Sides(1, []), {(WORLD, 0): box})
+    return Instant(log, told, [arc_around(*map(float, heading))], Sides(1, []), {(WORLD, 0): box})
 
 
 def is_taken(then, normal, offset):

@@ -8,18 +8,15 @@ from types import TracebackType
 from experiments.following.located import directions, points
 from experiments.keeping.running import Keeper, Moment
 from experiments.logs import Certificates
-from experiments.logs.checks import AT_THE_CENTRE
 from experiments.show.output import Trajectories
-from filter import InvalidInput, Position, Team
-
-PROVABLE = "for --certificates, as yet"
+from filter import InvalidInput, Team
 
 
 def check_provable(team: Team) -> None:
     """Raise `InvalidInput` if a sensor's clock may be off, of which `experiments.prove` does not know."""
     off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
     if off is not None:
-        raise InvalidInput(f"sensors without a time_bound {PROVABLE}", off.name)
+        raise InvalidInput("sensors without a time_bound for --certificates, as yet", off.name)
 
 
 class Poses(Keeper):
@@ -46,10 +43,7 @@ class Proofs(Keeper):
         self._files = Certificates(folder, team.landmarks)
 
     def keep(self, moment: Moment) -> None:
-        """Take one step in; raises `InvalidInput` for a position of an antenna, which `experiments.prove` does not know."""
-        for record in moment.step.frame.measurements:
-            if isinstance(record, Position) and (record.sensor != AT_THE_CENTRE).any():
-                raise InvalidInput(f"positions of robots, not of their sensors, {PROVABLE}", f"one at {record.time} s")
+        """Take one step in."""
         self._files.write(moment.step)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -24,7 +24,7 @@ class DifferenceReading(Reading):
         super().__init__(channel, facts, left_out)
         reach = FARTHER * _reach(facts, self.stream.sensor)
         lower, upper = np.array(facts.arena)
-        self._within = Polygon.box(lower - reach, upper + reach)
+        self._within = Polygon.box(np.nextafter(lower - reach, -np.inf), np.nextafter(upper + reach, np.inf))
 
     def records(self, message: Message, stamp: int) -> Iterator[Record]:
         """Yield one record, see `Reading`."""

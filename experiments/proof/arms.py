@@ -6,10 +6,12 @@ other way round. Exact arithmetic, standard library only.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from math import floor
 
 from experiments.proof.exact import KEPT, Arc, Vector, angle_of, length, once_around, sector, unit
+from experiments.proof.given.frame import Behind, Place, most_of
 from experiments.proof.given.sensors import CENTRE, Mount
 from experiments.proof.shown import hull_of
 
@@ -48,6 +50,18 @@ def beyond(mounts: Two, who: tuple[int, int], looks: Sequence[Arc], normal: Vect
     own, other = mounts
     more = reach(own, looks[who[0]], normal)
     return more if other is CENTRE else more + reach(other, looks[who[1]], (-normal[0], -normal[1]))
+
+
+def of_centre(placed: tuple[Place, Mount], heading: Arc, normal: Vector, edges: dict[Vector, Fraction]) -> Fraction | None:
+    """Return a number no smaller than normal . x of a robot whose sensor is in a place; None if nothing says one.
+
+    The centre is back from the sensor by R(h) m. That moves a line of a half-plane, from which it follows as in `most_of`.
+    """
+    place, mount = placed
+    if isinstance(place, Behind):
+        x, y = place.normal
+        return most_of(replace(place, offset=place.offset + reach(mount, heading, (-x, -y))), normal, edges)
+    return place.most(normal) + reach(mount, heading, (-normal[0], -normal[1]))
 
 
 def around(places: Sequence[Vector], mounts: Two, who: tuple[int, int], looks: Mapping[int, Arc]) -> list[Vector]:

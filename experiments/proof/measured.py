@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from experiments.proof.arms import beyond
+from experiments.proof.arms import beyond, of_centre
 from experiments.proof.edges import WORLD, Edges
 from experiments.proof.exact import CIRCLE, Arc, Vector, in_common, length
-from experiments.proof.given.frame import Frame, Reading, most_of
+from experiments.proof.given.frame import Frame, Reading
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Record
-from experiments.proof.sides import Sides
+from experiments.proof.sides import Sides, compasses
 
 BEARING, FAR = "rows of bearings, from the log", "rows of ranges, far side, from the log"
 PLACED = "rows of positions, from the log"
@@ -51,7 +51,8 @@ def of_measurement(then: Instant, pair: tuple[int, int], source: Record, normal:
     robot, target, (x, y), robots = source["robot"], source["target"], normal, then.log.robots
     if source["kind"] == "position":
         own = then.frame.places.get(robot, []) if pair == (WORLD, robot) else []
-        found = (most_of(place, normal, then.edges.get(pair, {})) for place in own)
+        looks = in_common(then.headings[robot], compasses(then.frame, robot))
+        found = (of_centre(placed, looks, normal, then.edges.get(pair, {})) for placed in own)
         return PLACED if any(bound is not None and bound <= offset for bound in found) else None
     if pair[0] < 0 and target is not None and target >= robots and robot == pair[1]:
         mark = then.log.landmarks[target - robots]

@@ -145,10 +145,10 @@ def rejecting(scenario: Scenario) -> Iterator[Followed]:
         begin = perf_counter()
         belief, conflict = _stepped(plain, belief, frame)
         rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
-        why = scenario.team.words(conflict)
-        words = (*map(scenario.team.words, belief.events), *([f"started over: {why}"] if conflict else []))
+        why = scenario.team.words(conflict) if conflict else ""
+        words = (*map(scenario.team.words, belief.events), *([f"started over: {why}"] if why else []))
         resets = len(silent) if conflict else 0
-        guarantees = belief.guarantee, belief.guarantee.suspended(frame.time, why) if conflict else belief.guarantee
+        guarantees = belief.guarantee, belief.guarantee.suspended(frame.time, why) if why else belief.guarantee
         yield Followed(frame, belief, *guarantees, silent, rejected, resets, (), words, perf_counter() - begin)
 
 

@@ -73,7 +73,7 @@ def test_its_rows_are_taken_and_nothing_that_cuts_off_a_place(tmp_path_factory, 
         for side in np.eye(2)
         for sign, end in ((1, box[1]), (-1, box[0]))
     }
-    places, inside = frame.places[0], points[is_within(line, points)]
+    places, inside = [place for place, _ in frame.places[0]], points[is_within(line, points)]
     for normal, offset in zip(rows.normal, rows.offset, strict=True):
         most = [most_of(one, plane(normal.tolist()), edges) for one in places]
         assert min(value for value in most if value is not None) <= Fraction(float(offset))

@@ -91,9 +91,9 @@ class Frame:
     Attributes:
         time: [s].
         readings: Of each kind, robot and target (None for a compass): every reading.
-        places: Of each robot, where it is, by each position that was measured.
+        places: Of each robot, where a sensor of it is, by each position that was measured, and how that is mounted.
         truth: Of robots, where they were and which way they looked.
-        measurements: How many were taken; a position of one robot is one, however many sides it has.
+        measurements: How many were taken; a position of one robot, or one sensor, is one, however many sides it has.
         changes: Robots that were put somewhere, or None for one that has left, in this order, after the motion.
         away: Robots that are not there, then.
         pieces: Of each robot, how it moved since the frame before, one after the other; nothing if no time has passed.
@@ -101,7 +101,7 @@ class Frame:
 
     time: float
     readings: dict[Who, list[Reading]] = field(default_factory=dict)
-    places: dict[int, list[Place]] = field(default_factory=dict)
+    places: dict[int, list[tuple[Place, Mount]]] = field(default_factory=dict)
     truth: dict[int, Pose] = field(default_factory=dict)
     measurements: int = 0
     changes: list[tuple[int, Start | None]] = field(default_factory=list)

@@ -15,6 +15,7 @@ from experiments.proof.given.driven import Driven
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.head import FIRST, Head, fields_of
 from experiments.proof.given.records import LATER, MEASURED, parts_of, places_of, readings_of, truth_of
+from experiments.proof.given.sensors import CENTRE
 from experiments.proof.motion import Piece
 from experiments.proof.reading import Broken, Record, located, number, records, shown
 
@@ -115,9 +116,10 @@ class _Frames:
                 frame.measurements += 1
         elif kind == "position" and self._is_known(kind):
             found = list(places_of(self._head, record))
-            for robot, place in found:
-                frame.places.setdefault(robot, []).append(place)
-            frame.measurements += len({robot for robot, _ in found})
+            for robot, sensor, place in found:
+                mount = CENTRE if sensor < 0 else self._head.mounts.of(sensor)
+                frame.places.setdefault(robot, []).append((place, mount))
+            frame.measurements += len({(robot, sensor) for robot, sensor, _ in found})
         elif kind == "initial" and self._is_known(kind):
             frame.changes.append(self._head.placed(record, "time"))
         elif kind == "leave" and self._is_known(kind):

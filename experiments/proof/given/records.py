@@ -108,18 +108,18 @@ def _columns(values: Sequence[Any], alike: bool) -> Iterator[tuple[Any, ...]]:
     return zip(*(value if isinstance(value, list) else [value] * rows for value in single), strict=True)
 
 
-def places_of(head: Head, record: Record) -> Iterator[tuple[int, Place]]:
-    """Yield where robots are, by a position in one of its forms."""
+def places_of(head: Head, record: Record) -> Iterator[tuple[int, int, Place]]:
+    """Yield robots, the numbers of their sensors, -1 for the centre, and where these are, by a position in one of its forms."""
     if "normal_x" in record:
-        fields_of(record, "position", {"time", "robot", "normal_x", "normal_y", "offset"})
-        columns = [record[name] for name in ("robot", "normal_x", "normal_y", "offset")]
-        for robot, x, y, offset in _columns(columns, alike=True):
-            yield head.robot(robot), Behind(point((x, y)), Fraction(number(offset)))
+        fields_of(record, "position", {"time", "robot", "normal_x", "normal_y", "offset"}, {"sensor"})
+        columns = [record["robot"], record.get("sensor"), *(record[name] for name in ("normal_x", "normal_y", "offset"))]
+        for robot, sensor, x, y, offset in _columns(columns, alike=True):
+            yield head.robot(robot), head.mounts.number(sensor), Behind(point((x, y)), Fraction(number(offset)))
         return
     forms = ({"vertices"}, {"normal", "offset"}, {"position", "radius"}, {"position", "bound"})
     form = next((form for form in forms if form <= set(record)), forms[-1])
-    fields_of(record, "position", {"time", "robot", *form})
-    yield head.robot(record["robot"]), _place(record)
+    fields_of(record, "position", {"time", "robot", *form}, {"sensor"})
+    yield head.robot(record["robot"]), head.mounts.number(record.get("sensor")), _place(record)
 
 
 def _place(record: Record) -> Place:

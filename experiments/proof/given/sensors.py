@@ -53,11 +53,16 @@ class Mounts:
 
     def of(self, value: Any) -> Mount:
         """Return how a sensor is mounted, by its name or number; null is at the centre and looks forward."""
+        number = self.number(value)
+        return CENTRE if number < 0 else self._mounts[number]
+
+    def number(self, value: Any) -> int:
+        """Return the number of a sensor, by its name or number; -1 for null, which is at the centre."""
         if value is None:
-            return CENTRE
+            return -1
         if isinstance(value, str) and value in self._names:
-            return self._mounts[self._names.index(value)]
-        return self._mounts[body(value, len(self._mounts))]
+            return self._names.index(value)
+        return body(value, len(self._mounts))
 
     def pair(self, values: Any) -> tuple[Mount, Mount]:
         """Return how two sensors are mounted, by their numbers; -1 is at the centre."""

@@ -10,7 +10,7 @@ from experiments.keeping.running import Keeper, Moment
 from experiments.logs import Certificates
 from experiments.logs.checks import AT_THE_CENTRE
 from experiments.show.output import Trajectories
-from filter import InvalidInput, Position, RelativeHeading, Team
+from filter import InvalidInput, Position, Team
 
 PROVABLE = "for --certificates, as yet"
 
@@ -46,10 +46,8 @@ class Proofs(Keeper):
         self._files = Certificates(folder, team.landmarks)
 
     def keep(self, moment: Moment) -> None:
-        """Take one step in; raises `InvalidInput` for a position of an antenna or a mate's heading: `prove` knows neither."""
+        """Take one step in; raises `InvalidInput` for a position of an antenna, which `experiments.prove` does not know."""
         for record in moment.step.frame.measurements:
-            if isinstance(record, RelativeHeading):
-                raise InvalidInput(f"no headings of mates {PROVABLE}", f"one at {record.time} s")
             if isinstance(record, Position) and (record.sensor != AT_THE_CENTRE).any():
                 raise InvalidInput(f"positions of robots, not of their sensors, {PROVABLE}", f"one at {record.time} s")
         self._files.write(moment.step)

@@ -11,15 +11,19 @@ from experiments.logs import Header, InitialSet, LogWriter
 from filter import Frame, Truth
 
 
-def logged(path, world, *, frames=4, known=True, wide=0.3):
-    """Write the log of some frames of a world, of headings that are known at the start or not; return its path."""
+def logged(path, world, *, frames=4, known=True, wide=0.3, mates=False):
+    """Write the log of some frames of a world; return its path.
+
+    Headings are known at the start or not; robots see how mates look, or not.
+    """
     sets, headings = world.initial(wide, 0.2)
     arcs = zip(headings.centre.tolist(), headings.bound.tolist(), strict=True)
     initial = [InitialSet(one.vertices, arc if known else None) for one, arc in zip(sets, arcs, strict=True)]
     with LogWriter(path / "given.jsonl", Header(world.team, 0.0, 10.0), initial) as log:
         for k in range(frames):
             motion = world.drive((k - 1) / 10, k / 10) if k else None
-            log.write(Frame(k / 10, motion, world.measure(k / 10), Truth(world.positions, world.headings)))
+            records = [*world.measure(k / 10), *([world.mates(k / 10)] if mates else [])]
+            log.write(Frame(k / 10, motion, records, Truth(world.positions, world.headings)))
     return path / "given.jsonl"
 
 

@@ -3,7 +3,7 @@
 from filter.arrays import LARGEST, finite, read_only
 from filter.records.odometry import SHORTEST
 from filter.records.radians import TWO_TURNS, bearing_in_radians, heading_in_radians
-from filter.records.record import AT_THE_CENTRE, field_names
+from filter.records.record import AT_THE_CENTRE, called, field_names
 
 __all__ = [
     "AT_THE_CENTRE",
@@ -11,6 +11,7 @@ __all__ = [
     "SHORTEST",
     "TWO_TURNS",
     "bearing_in_radians",
+    "called",
     "field_names",
     "finite",
     "heading_in_radians",

@@ -26,6 +26,8 @@ from filter.sensing.rows import WIDENING, spans_of_targets
 
 Sights = Collection[tuple[int, int | None]]  # robots and targets
 NEAR = 1e-9  # an arc this near to the end of a heading is what has narrowed it there [rad]
+# A reading less sure than this can meet a heading at both ends; what it leaves at one, any other may have taken away [rad].
+WIDE = 1.0
 
 
 class Sighted(NamedTuple):
@@ -91,7 +93,8 @@ def sides_of_bearings(read: Directions, landmarks: Array) -> Sighted:
     seen, bearings = Seen.of(read, read.readings.bearings, read.before), read.readings.bearings
     arcs, claimed = heading_arcs_of_bearing(bearings, seen.spans(read.known, landmarks)), read.headings[bearings.robot]
     off = [wrap(arcs.centre + end * arcs.bound - claimed.centre - end * claimed.bound) for end in (-1, 1)]
-    nearest = np.flatnonzero((np.abs(off) < NEAR).any(axis=0))
+    wide = (np.concatenate([bearings.bound, read.readings.relatives.bound]) > WIDE).any()
+    nearest = np.flatnonzero((np.abs(off) < NEAR).any(axis=0) | wide)
     return _sides(read.known, read.sources, landmarks, seen.some(nearest), ANGLE_ROUNDING / 2)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.logs.checks import AT_THE_CENTRE, field_names
+from experiments.logs.checks import AT_THE_CENTRE, called, field_names
 from experiments.logs.records import FIRST, FORMAT, FrameEnd, Header, InitialSet, Joined, Record, TruthAt
 from filter import Array, Frame, InvalidInput, Left, Measurement, Odometry, Placed, Position, RelativeHeading, Team, Twist
 
@@ -119,11 +119,9 @@ def object_of(header: Header, record: Record) -> Object:
             return {"record": "leave", "time": time, "robot": _called(header, record.robot)}
         case Odometry():
             return {"record": "odometry", "start": record.start, "time": time, **_columns(header, record)}
-    if isinstance(record, RelativeHeading):
-        raise InvalidInput("records that a log can hold", "a mate's heading, which it cannot as yet")
-    if isinstance(record, Twist | Position):
+    if isinstance(record, Twist | Position | RelativeHeading):
         _later(header, type(record).__name__)
-    return {"record": type(record).__name__.lower(), "time": time, **_columns(header, record)}
+    return {"record": called(type(record)).replace(" ", "_"), "time": time, **_columns(header, record)}
 
 
 def _later(header: Header, what: str) -> None:

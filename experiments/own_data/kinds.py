@@ -7,7 +7,7 @@ column is looked for under the field's own name (`COLUMNS`); what the settings s
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 ANGLE, LENGTH, PLAIN = "angle", "length", "plain"
 
@@ -23,6 +23,7 @@ class StreamKind:
         variances: For each bound that a message's covariance can give, the fields that hold the variances.
         pairs: Whether a bound may be a pair, [low, high] of measured - true.
         conventions: Whether there is anything to turn or mirror.
+        only_with: Of bounds that have to be declared only where some field is read: that field.
     """
 
     fields: tuple[str, ...]
@@ -31,6 +32,7 @@ class StreamKind:
     variances: Mapping[str, tuple[str, ...]]
     pairs: bool = False
     conventions: bool = True
+    only_with: Mapping[str, str] = field(default_factory=dict)
 
 
 ENDS = ("first", "second")  # fields that name the two landmarks of a difference
@@ -68,11 +70,14 @@ STREAM_KINDS: dict[str, StreamKind] = {
         ("bearing", "id", "variance"), (("bearing",),), {"bound": ANGLE}, {"bound": ("variance",)}, pairs=True
     ),
     "detections": StreamKind(
-        ("range", "bearing", "id"),
-        (("range", "bearing"),),
-        {"range_bound": LENGTH, "range_relative_bound": PLAIN, "bearing_bound": ANGLE},
+        ("range", "bearing", "x", "y", "heading", "id"),
+        (("range", "bearing"), ("x", "y")),
+        {"range_bound": LENGTH, "range_relative_bound": PLAIN, "bearing_bound": ANGLE}
+        | {"position_bound": LENGTH, "heading_bound": ANGLE},
         {},
         pairs=True,
+        only_with={"range_bound": "range", "range_relative_bound": "range", "bearing_bound": "bearing"}
+        | {"position_bound": "x", "heading_bound": "heading"},
     ),
     "range_difference": StreamKind(
         ("difference", "first", "second"), (("difference",),), {"bound": LENGTH}, {}, pairs=True, conventions=False
@@ -91,7 +96,7 @@ RIVALS: dict[str, tuple[str, ...]] = {
     "orientation": ("heading",),
     "distance": ("x", "y", "heading", "orientation"),
     "latitude": ("x", "y"),
-    "x": ("latitude", "longitude", "status"),
+    "x": ("latitude", "longitude", "status", "range", "bearing"),
 }
 COLUMNS: dict[str, tuple[str, ...]] = {
     "odometry": ("x", "y", "heading"),

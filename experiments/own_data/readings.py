@@ -12,7 +12,7 @@ from experiments.own_data.reading import Reading, Record, Unmeasured, number, pl
 from experiments.own_data.table import Bound
 from experiments.own_data.units import local_plane, metres, radians
 from experiments.recorded import LeftOut, Message
-from filter import InvalidInput
+from filter import InvalidInput, seen_position
 
 
 class CompassReading(Reading):
@@ -28,7 +28,7 @@ class CompassReading(Reading):
 
 
 class Sightings(Reading):
-    """Ranges, bearings, or both, of one target or of several in each message."""
+    """Ranges, bearings, or both, and headings, of one target or of several in each message."""
 
     def records(self, message: Message, stamp: int) -> Iterator[Record]:
         """Yield one or two records for each target, see `Reading`."""
@@ -52,6 +52,10 @@ class Sightings(Reading):
             found.append(self.head("bearing", stamp) | body | self._bearing(entry, message.place))
         if "range" in entry:
             found.append(self.head("range", stamp) | body | self._range(entry, message.place))
+        if "x" in entry:
+            found += [self.head(kind, stamp) | body | seen for kind, seen in self._position(entry, message.place).items()]
+        if "heading" in entry:
+            found += [self.head("relative_heading", stamp) | body | seen for seen in self._heading(entry, body, message.place)]
         return found
 
     def _body(self, entry: Mapping[str, Any]) -> Record:
@@ -79,6 +83,29 @@ class Sightings(Reading):
         relative = "relative_bound" if self.stream.kind == "range" else "range_relative_bound"
         bounds = {"bound": self._bound_of("range", entry, place), "relative_bound": self.stream.bounds[relative]}
         return {"range": self.door.distance(value)} | bounds
+
+    def _position(self, entry: Mapping[str, Any], place: str) -> dict[str, Record]:
+        """Return a bearing and a range of where the sensor sees somebody."""
+        ahead, left = (number(entry[name], name, place) for name in ("x", "y"))
+        with placed(place):
+            position = self.door.distance(ahead), self.door.aside(left)
+            bearing, reach = seen_position(0.0, 0, 1, position, self.bound("position_bound"))
+        return {
+            "bearing": {"bearing": bearing.bearing.item(), "bound": bearing.bound.item()},
+            "range": {"range": reach.range.item(), "bound": reach.bound.item(), "relative_bound": 0.0},
+        }
+
+    def _heading(self, entry: Mapping[str, Any], body: Mapping[str, str], place: str) -> list[Record]:
+        """Return what is seen of a mate's heading, if it is: the rest of an entry counts without it."""
+        try:
+            if "target" not in body:
+                raise Unmeasured("of landmarks a heading says nothing")
+            seen = number(entry["heading"], "heading", place)
+        except Unmeasured as why:
+            self.skip(why, "headings")
+            return []
+        with placed(place):
+            return [{"heading": self.door.bearing(seen), "bound": self.stream.bounds["heading_bound"]}]
 
     def _bound_of(self, what: str, entry: Mapping[str, Any], place: str) -> Bound:
         name = f"{what}_bound" if self.stream.kind == "detections" else "bound"

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from experiments.own_data.kinds import ANGLE, LENGTH, PLAIN, STREAM_KINDS, StreamKind
+from experiments.own_data.kinds import ANGLE, COLUMNS, LENGTH, PLAIN, STREAM_KINDS, StreamKind, fields_of
 from experiments.own_data.table import Bound, Table, texts
 from experiments.own_data.units import ANGLES, CONVENTIONS, LENGTHS, STAMPS, Convention, Door, radians
 from experiments.recorded.words import nearest
@@ -111,6 +111,7 @@ def read_stream(kind: str, robot: str, table: Table, clock: Clock) -> Stream:
     what = STREAM_KINDS[kind]
     door = _door(kind, what, table)
     radius, k_sigma = kind == "position" and table.has("radius"), _k_sigma(what, table)
+    fields = {name: table.text(name, "a field or column") for name in what.fields if table.has(name)}
     stream = Stream(
         kind=kind,
         robot=robot,
@@ -119,10 +120,10 @@ def read_stream(kind: str, robot: str, table: Table, clock: Clock) -> Stream:
         target=table.text_or("target", "who is measured", "") if "id" in what.fields else "",
         ids=texts(table, "ids", "a name for each id"),
         only=texts(table, "only", "what fields have to hold"),
-        fields={name: table.text(name, "a field or column") for name in what.fields if table.has(name)},
+        fields=fields,
         clock=Clock.read(table, clock),
         door=door,
-        bounds=_bounds(kind, table, door, k_sigma),
+        bounds=_bounds(kind, table, door, k_sigma, fields),
         k_sigma=k_sigma,
         radius=radius,
         **_further(kind, table),
@@ -171,9 +172,12 @@ def _k_sigma(what: StreamKind, table: Table) -> float:
     return k_sigma
 
 
-def _bounds(kind: str, table: Table, door: Door, k_sigma: float) -> dict[str, Bound]:
+def _bounds(kind: str, table: Table, door: Door, k_sigma: float, said: Mapping[str, str]) -> dict[str, Bound]:
     what, bounds = STREAM_KINDS[kind], dict[str, Bound]()
+    read = fields_of(kind, dict.fromkeys(COLUMNS[kind], ""), said)
     for name, sort in what.bounds.items():
+        if what.only_with.get(name, name) not in (name, *read):
+            continue
         if sort == PLAIN:
             bounds[name] = _relative(table, name)
         elif k_sigma and name in what.variances:
@@ -215,8 +219,9 @@ def _declared(kind: str, name: str, table: Table, door: Door) -> Bound:
     is_angle = what.bounds[name] == ANGLE
     if not table.has(name):
         raise _unbounded(table, name, f"{LARGEST_ERROR} [{door.angle if is_angle else door.length}]", what)
-    pairs = " or [low, high] of measured - true" if what.pairs else ""
-    bound = table.bound(name, f"a bound from 0 on{pairs}", pairs=what.pairs)
+    may_be_pair = what.pairs and name != "position_bound"
+    pairs = " or [low, high] of measured - true" if may_be_pair else ""
+    bound = table.bound(name, f"a bound from 0 on{pairs}", pairs=may_be_pair)
     if not is_angle:
         return door.length_bound(bound)
     found, largest = door.angle_bound(bound), LARGEST.get((kind, name), math.pi)

@@ -8,7 +8,7 @@ Targets are landmarks, and polygons of places of mates.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, cos, pi, sin
 
@@ -31,7 +31,7 @@ from experiments.proof.measured import Instant, between
 from experiments.proof.polygon import Polygon
 from experiments.proof.reading import Broken, Record, exact, shown
 from experiments.proof.shown import dot
-from experiments.proof.sides import compasses
+from experiments.proof.sides import looking
 
 # No piece is cut more often, tangents are no nearer to one another [rad], and there are no more cuts in all.
 ROUNDS, LEAST_SPACING, CUTS = 10, 0.01, 2_000_000
@@ -77,6 +77,7 @@ def check_cases(line: Record, then: Instant) -> Arc:
     Raises:
         Broken: A piece is not within what is claimed, or the line is misshapen.
     """
+    then = replace(then, headings=looking(then.frame, then.headings))
     robot, claimed = line["robot"], arc_around(*(float(exact(value)) for value in line["heading"]))
     claims = [(unit_normal(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
     places, spacing = _places(line), float(exact(line["spacing"]))
@@ -84,8 +85,7 @@ def check_cases(line: Record, then: Instant) -> Arc:
     _bound_work(line, spacing, sum(map(len, said.values())))
     bodies = sorted({body for _, *two in said for body in two} - {robot})
     targets = [target for body in bodies for target in _targets(then, robot, body, places, said)]
-    looks, arcs = _looks(then, robot), list[Arc]()
-    waiting: list[Pose | None] = [(places[robot], once_around(looks))]
+    arcs, waiting = list[Arc](), list[Pose | None]([(places[robot], once_around(then.headings[robot]))])
     for piece in line["pieces"]:
         pose = waiting.pop()
         for _ in range(piece["rounds"]):
@@ -152,12 +152,8 @@ def _said_of(then: Instant, one: Reading, mate: int | None, kind: str) -> Bearin
         least, greatest = between(one)
         return Range(least * (1 - WIDENING), greatest * (1 + WIDENING))
     bound = one.bound + WIDENING
-    way = None if mate is None else _looks(then, mate).widened(one.value, bound).opposite
+    way = None if mate is None else then.headings[mate].widened(one.value, bound).opposite
     return Bearing(one.value, bound, way)
-
-
-def _looks(then: Instant, robot: int) -> Arc:
-    return in_common(then.headings[robot], compasses(then.frame, robot))
 
 
 def _target(
@@ -167,7 +163,7 @@ def _target(
     body, robots = who[1], then.log.robots
     where = places[body] if body < robots else Polygon.around([then.log.landmarks[body - robots]])
     if not (mounts[0].is_at_the_centre and mounts[1].is_at_the_centre):
-        looks = {each: _looks(then, each) for each in who if each < robots}
+        looks = {each: then.headings[each] for each in who if each < robots}
         where = Polygon.around(around(where.corners, mounts, who, looks))
     nearest = max((one.least for one in readings if isinstance(one, Range)), default=Fraction(0))
     return Target(where, readings, nearest)

@@ -6,7 +6,7 @@ measurement in the log. Boxes likewise, and headings: from those before, turned 
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import pi
 
@@ -19,7 +19,7 @@ from experiments.proof.line import check
 from experiments.proof.measured import Instant, of_measurement
 from experiments.proof.motion import Displaced, turned
 from experiments.proof.reading import VERSION, Broken, Record, exact, located, shown
-from experiments.proof.sides import Sides, compasses
+from experiments.proof.sides import Sides, looking
 
 MOST = 1000  # edges of one robot or pair in a step: any two of them may prove something
 Placed = tuple[str, Record]  # a record and its place in words
@@ -99,14 +99,10 @@ class Chain:
         if proved is None:
             self._case_by_case(line)
         elif "side" in line:
-            self.sides.add(line, proved, self._looks_by_compasses() if "sensors" in line else ())
+            # how robots look, as far as it is proved without the bearings of this pass
+            self.sides.add(line, proved, looking(self._instants[-1].frame, self._looks) if "sensors" in line else ())
         else:
             self._claim(line)
-
-    def _looks_by_compasses(self) -> list[Arc]:
-        """Return how robots look as far as it is proved without the bearings of this pass."""
-        frame = self._instants[-1].frame
-        return [in_common(arc, compasses(frame, robot)) for robot, arc in enumerate(self._looks)]
 
     def _case_by_case(self, line: Record) -> None:
         robot = line["robot"]
@@ -137,18 +133,24 @@ class Chain:
         ]
         if len(claimed) != self._log.robots:
             raise Broken(f"headings of {len(claimed)} robots, where there are {self._log.robots}")
-        for robot, claim in enumerate(claimed):
-            alone = self._looks[robot] = in_common(self._looks[robot], compasses(frame, robot))
-            if claim.covers(alone):
-                self.links["headings, from odometry and compasses"] += 1
-                continue
-            proved = self._looks[robot] = in_common(alone, self.sides.headings(frame, robot))
-            if not claim.covers(proved):
-                raise Broken(
-                    f"the heading of robot {robot} is not proved: {_degrees(claim)} is claimed, {_degrees(proved)} proved"
-                )
-            self.links["headings, from bearings, too"] += 1
+        left = dict(enumerate(claimed))
+        for link, looks in self._ways(frame):
+            for robot in [robot for robot, claim in left.items() if claim.covers(looks[robot])]:
+                self._looks[robot] = looks[robot]
+                self.links[link] += 1
+                del left[robot]
+            if not left:
+                break
+        for robot, claim in left.items():
+            told = f"{_degrees(claim)} is claimed, {_degrees(looks[robot])} proved"
+            raise Broken(f"the heading of robot {robot} is not proved: {told}")
         self._instants[-1].headings = claimed
+
+    def _ways(self, frame: Frame) -> Iterator[tuple[str, list[Arc]]]:
+        """Yield how robots can look, without the bearings of this pass and with them."""
+        now = list(self._looks)
+        yield "headings, from odometry, compasses and mates", looking(frame, now)
+        yield "headings, from bearings, too", self.sides.looking(frame, now)
 
     def _claim(self, line: Record) -> None:
         pair, normal, offset = (line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"])

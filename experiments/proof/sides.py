@@ -5,17 +5,20 @@ Two of them leave an arc; a bearing to the target then says where the robot look
 sensors are mounted, what is meant is the place of one sensor, as seen from another.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from experiments.proof.arms import Two, beyond
 from experiments.proof.edges import WORLD, plane
 from experiments.proof.exact import Arc, Vector, half_circle, in_common
-from experiments.proof.given.frame import Frame
+from experiments.proof.given.frame import MATES, Frame
 from experiments.proof.given.sensors import CENTRE, Mounts
 from experiments.proof.reading import Broken, Record, exact, shown
 
 CENTRES = (CENTRE, CENTRE)
+# What robots see of mates' headings is followed in so many laps at most, besides one for each robot, as in the filter. What
+# makes an arc narrower by less than this is left out [rad]: a wider arc is right, too. The filter leaves out more than that.
+LAPS, GAIN = 1000, Fraction(1, 10**13)
 
 
 class Sides:
@@ -55,6 +58,11 @@ class Sides:
             return None if arc is None else arc.opposite
         return self._arcs.get((robot, target, own, other))
 
+    def looking(self, frame: Frame, looks: Sequence[Arc]) -> list[Arc]:
+        """Return how robots that look so can look by compasses, bearings, and what they see of each other's headings."""
+        told = [[*compasses(frame, robot), *self.headings(frame, robot)] for robot in range(len(looks))]
+        return tied(frame, [in_common(*each) for each in zip(looks, told, strict=True)])
+
     def headings(self, frame: Frame, robot: int) -> list[Arc]:
         """Return where a robot can look, by each of its bearings to a target whose direction is known."""
         found = []
@@ -69,3 +77,38 @@ def compasses(frame: Frame, robot: int) -> list[Arc]:
     """Return where a robot can look, by each of its compass readings."""
     readings = frame.of("compass", robot)
     return [Arc(one.value - one.bound, one.value + one.bound) for one in readings]
+
+
+def looking(frame: Frame, looks: Sequence[Arc]) -> list[Arc]:
+    """Return how robots that look so can look by their compasses, and by what they see of each other's headings."""
+    return tied(frame, [in_common(arc, compasses(frame, robot)) for robot, arc in enumerate(looks)])
+
+
+def tied(frame: Frame, looks: Sequence[Arc]) -> list[Arc]:
+    """Return how robots that look so can look by what they see of each other's headings, forth and back.
+
+    In the filter's order: of two wide arcs that meet at both ends it matters which is cut from which.
+    """
+    found, ties = list(looks), sorted(_ties(frame))
+    for _ in range(LAPS + len(found) if ties else 0):
+        before = list(found)
+        for robot, mate, value, bound in ties:
+            found[mate] = _cut(found[mate], found[robot].widened(value, bound))
+            found[robot] = _cut(found[robot], found[mate].widened(-value, bound))
+        ties.reverse()
+        if found == before:
+            break
+    return found
+
+
+def _ties(frame: Frame) -> Iterator[tuple[int, int, Fraction, Fraction]]:
+    """Yield which robot saw which mate head elsewhere than itself, by how much, and within which bound."""
+    for (kind, robot, mate), readings in frame.readings.items():
+        if kind == MATES and mate is not None:
+            yield from ((robot, mate, one.value, one.bound) for one in readings)
+
+
+def _cut(known: Arc, arc: Arc) -> Arc:
+    """Return what two arcs have in common, or the first one where that is hardly narrower."""
+    both = in_common(known, [arc])
+    return both if known.high - known.low - both.high + both.low > GAIN else known

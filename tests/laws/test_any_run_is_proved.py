@@ -11,7 +11,7 @@ from experiments.proof.chain import Chain
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Feed
 from experiments.prove import HEADINGS, LINES, REGIONS, regions_of
-from filter import Bearing, Frame, Rejected, SetMembershipFilter, Window, follow
+from filter import Bearing, Frame, Rejected, RelativeHeading, SetMembershipFilter, Window, follow
 
 
 def world_of(rng):
@@ -28,13 +28,22 @@ def world_of(rng):
     )
 
 
-def frames_of(world, compasses, lies):
-    """Yield 7 frames; some have a bearing that lies by a radian, if there are to be lies."""
+def mates(world, rng, lies):
+    """Return what some robots see of others' headings, from well to not at all; one may lie."""
+    robots = np.arange(len(world.headings))
+    mate, bound = (robots + rng.integers(1, len(robots), len(robots))) % len(robots), rng.choice([0.02, 0.3, 2.5], len(robots))
+    seen = world.headings[mate] - world.headings + bound * rng.choice([-1, 1, 0.3], len(robots)) + lies * (robots == 0)
+    return RelativeHeading(world.time, robots, mate, seen, bound + 1e-9)
+
+
+def frames_of(world, compasses, lies, seeing=None):
+    """Yield 7 frames; some have a bearing that lies by a radian, if there are to be lies, or a mate's heading, if seen."""
     for k in range(7):
         motion, records = world.move(backwards=k % 2 == 1) if k else None, world.measure(compasses=compasses)
         for place, record in enumerate(records):
             if lies and k % 3 == 2 and isinstance(record, Bearing):
                 records[place] = replace(record, bearing=record.bearing + (np.arange(len(record.bearing)) == 0))
+        records += [mates(world, seeing, lies and k % 3 == 1)] if seeing else []
         yield Frame(world.time, motion, tuple(records))
 
 
@@ -49,10 +58,11 @@ def run(path, seed):
     headings = [(float(c), float(b)) if known else None for c, b in zip(arcs.centre, arcs.bound, strict=True)]
     sets = world.initial_sets(rng.uniform(0.1, 2))
     initial = [InitialSet(one.vertices, heading) for one, heading in zip(sets, headings, strict=True)]
-    header, rejected = Header(world.team, 0.0, 10.0), 0
+    seeing = np.random.default_rng(seed) if seed % 5 == 0 else None
+    header, rejected = Header(world.team, 0.0, 10.0, version=2 if seeing else 1), 0
     belief = first_belief(estimator, header, initial)
     with LogWriter(path / "log.jsonl", header, initial) as log, Certificates(path, world.team.landmarks) as file:
-        for frame in frames_of(world, compasses=lies or rng.uniform() < 0.5, lies=lies):
+        for frame in frames_of(world, compasses=lies or rng.uniform() < 0.5, lies=lies, seeing=seeing):
             log.write(frame)
             (step,) = follow(estimator, belief, [frame])
             belief = step.belief

@@ -59,7 +59,9 @@ COLUMNS = {
     "compass": {"heading": numbers(-TURN, TURN), "bound": numbers(0, np.pi)},
     "bearing": {"bearing": numbers(-TURN, TURN), "bound": numbers(0, np.pi)},
     "range": {"range": POSITIVE, "bound": POSITIVE, "relative_bound": numbers(0, 0.9999999999999999)},
+    "relative_heading": {"heading": numbers(-TURN, TURN), "bound": numbers(0, np.pi)},
 }
+SIGHTED = ("bearing", "range", "relative_heading")
 
 
 def listed(tokens):
@@ -72,13 +74,13 @@ def column(values, count):
 
 
 @st.composite
-def sighted(draw, count):
-    """The columns of robots and of those that they see, another robot or a landmark each."""
+def sighted(draw, count, heads):
+    """The columns of robots and of those that they see, another robot or a landmark each; of what has a heading, robots."""
     robots = draw(st.lists(st.integers(0, 2), min_size=count, max_size=count))
-    mates = [draw(st.sampled_from([None, *({0, 1, 2} - {robot})])) for robot in robots]
+    mates = [draw(st.sampled_from([*([] if heads else [None]), *({0, 1, 2} - {robot})])) for robot in robots]
     marks = [draw(st.integers(0, 1)) if mate is None else None for mate in mates]
-    seen = {"target": mates, "landmark": marks}
-    if draw(st.booleans()):
+    seen = {"target": mates} if heads else {"target": mates, "landmark": marks}
+    if not heads and draw(st.booleans()):
         seen = {name: bodies for name, bodies in seen.items() if any(body is not None for body in bodies)} or {"target": []}
     told = {name: listed("null" if body is None else str(body) for body in bodies) for name, bodies in seen.items()}
     alone = count == 1 and draw(st.booleans())
@@ -104,7 +106,7 @@ def lines(draw, version):
         moved = str(draw(st.permutations(range(3)))[:count])
         fields |= {"start": "-1e100"} if kind == "odometry" else {}
         fields |= {"robot": moved if kind in ("odometry", "twist") else str([0] * count)}
-        fields |= draw(sighted(count)) if kind in ("bearing", "range") else {}
+        fields |= draw(sighted(count, kind == "relative_heading")) if kind in SIGHTED else {}
         fields |= {name: draw(column(values, count)) for name, values in COLUMNS[kind].items()}
     if version == 2:
         fields |= draw(second(kind, fields))
@@ -120,7 +122,7 @@ def second(draw, kind, fields):
         changed[name] = re.sub(r"\d+", lambda number, name=name: f'"{NAMES[name][int(number[0])]}"', fields[name])
     if kind in ("odometry", "twist") and draw(st.booleans()):
         changed["aside"] = draw(numbers(-2 * np.pi, 2 * np.pi))
-    if kind in ("compass", "bearing", "range") and draw(st.booleans()):
+    if kind in ("compass", *SIGHTED) and draw(st.booleans()):
         changed["sensor"] = draw(column(SENSOR, fields["robot"].count(",") + (fields["robot"] != "[]")))
     if "target" in fields and "landmark" not in fields and draw(st.booleans()):
         changed["target_sensor"] = draw(column(SENSOR, fields["robot"].count(",") + (fields["robot"] != "[]")))
@@ -242,6 +244,17 @@ LATER = [
         "sensor": 0,
         "target_sensor": ["tag", None],
     },
+    {"record": "relative_heading", "time": 1, "robot": 2, "target": "bob", "heading": 0.25, "bound": [-0.5, 0.1]},
+    {
+        "record": "relative_heading",
+        "time": 1,
+        "robot": [0, 2],
+        "target": ["bob", 1],
+        "heading": [0.25, 1],
+        "bound": [0.1, [0, 1]],
+        "sensor": 0,
+        "target_sensor": [None, "tag"],
+    },
     {"record": "position", "time": 1, "robot": "bob", "position": [0.1, 1e99], "bound": 0.3},
     {"record": "position", "time": 1, "robot": 0, "position": [0.1, -7], "bound": [0.3, 0]},
     {"record": "position", "time": 1, "robot": 0, "position": [0.1, -7], "bound": 0.3, "sensor": "tag"},
@@ -255,7 +268,7 @@ NUMBERS += ["2", "6.5", "-6.5", "3", "1e101", "1e999", "01", "1.", ".5"]
 OTHERS = """
     "camera" ["camera",null] [null,"tag"]
     true null "1" "a:b" NaN -Infinity [] {} {"a":1} "bob" "gate" "3" ["alice",2] ["door",null] ["bob","bob"] "frame"
-    "compass" "range"
+    "compass" "range" "relative_heading"
 """
 BODIES = """
     [0] [3] [0,0] [0,1] [1,0] [0,3] [0,-1] [1,0,2] [0,null,null] [null,0] [0,null] [null,null] [1.0,0] [true,0]
@@ -327,6 +340,9 @@ def test_degrees_are_refused_by_both_and_a_yaw_that_was_never_wrapped_by_none(ve
     assert told(slowly) == told(fast)
     slowly, fast = read("bearing", 0.4, landmark=0, bearing=-12.5)
     assert told(slowly) == told(fast)
+    assert read("relative_heading", 0.1, target=1, heading=-90.0) == (None, None)
+    slowly, fast = read("relative_heading", 0.4, target=1, heading=-12.5)
+    assert (slowly is fast is None) if version == 1 else told(slowly) == told(fast)
 
 
 @settings(max_examples=300)

@@ -8,7 +8,22 @@ import numpy as np
 import pytest
 
 from experiments.logs import FrameEnd, Header, InitialSet, InvalidLog, Joined, LogReader, LogWriter, TruthAt
-from filter import Bearing, Compass, Frame, InvalidInput, Left, Odometry, Polygon, Position, Range, Sensor, Team, Truth, Twist
+from filter import (
+    Bearing,
+    Compass,
+    Frame,
+    InvalidInput,
+    Left,
+    Odometry,
+    Polygon,
+    Position,
+    Range,
+    RelativeHeading,
+    Sensor,
+    Team,
+    Truth,
+    Twist,
+)
 
 MARKS = {"gate": [0.1, 0.2], "door": [1 / 3, -2e-17]}
 ARENA = [[-6, -np.inf], [6, np.inf]]
@@ -43,6 +58,9 @@ def records_of(generator):
         Bearing(0.1, [0, 1, 2], [1, 3, 4], generator.normal(size=3), 0.1, [0, -1, 1], [1, -1, -1]),
         Range(0.1, [1, 2], [4, 0], [3.0, 1 / 3], 0.0, 0.02, [-1, 1]),
         Range(0.1, [], [], [], [], []),
+        RelativeHeading(0.1, [1, 2], [2, 0], generator.normal(size=2), 0.1),
+        RelativeHeading(0.1, [0, 1], [1, 0], generator.normal(size=2), [0.0, np.pi], [2, -1], [-1, 1]),
+        RelativeHeading(0.1, [], [], [], []),
         Position.fix(0.2, 1, [1 / 3, 4e5], [0.1, 0.3]),
         Position.disc(0.2, 1, [1 / 3, 4e5], 0.1),
         Position.fix(0.2, 1, [1 / 3, 4e5], [0.1, 0.3], 1),
@@ -190,6 +208,7 @@ def test_limits_are_of_all_or_of_each(tmp_path):
 
 COMPASS = {"record": "compass", "time": 1, "robot": "bob", "heading": 0.5, "bound": 0.1}
 RANGE = {"record": "range", "time": 1, "robot": "bob", "target": "alice", "range": 2, "bound": 0.1, "relative_bound": 0}
+MATE = {"record": "relative_heading", "time": 1, "robot": "bob", "target": "alice", "heading": 2, "bound": 0.1}
 FIX = {"record": "position", "time": 1, "robot": "bob", "position": [1, 2], "bound": 0.1}
 FAULTS = {
     "a name that nobody has": ({**COMPASS, "robot": "bop"}, "robot: a name, as bob; came .bop."),
@@ -206,6 +225,14 @@ FAULTS = {
     "lists of several lengths": ({**COMPASS, "robot": ["alice", "bob"], "bound": [0.1]}, "compass: lists of one length"),
     "a list of one among more": ({**RANGE, "robot": ["bob"], "bound": [0.0, 0.6]}, "range: lists of one length"),
     "a bound and a radius": ({**FIX, "radius": 1}, "position: no further field; came .bound."),
+    "a landmark that has a heading": (
+        {**{name: MATE[name] for name in MATE if name != "target"}, "landmark": "gate"},
+        'a field "target"',
+    ),
+    "a heading of a landmark as well": ({**MATE, "landmark": None}, "relative_heading: no further field; came .landmark."),
+    "a heading of nobody": ({**MATE, "target": None}, "target: whole numbers from 0 to 1, or names.*null"),
+    "a heading of oneself": ({**MATE, "target": "bob"}, "relative heading: a target other than the robot"),
+    "a mate's heading in degrees": ({**MATE, "heading": 90}, "relative heading .rad.: no more than two turns"),
     "a position without a bound": ({name: FIX[name] for name in FIX if name != "bound"}, 'a field "bound"'),
     "a position in space": ({**FIX, "position": [1, 2, 3]}, "position: .x, y."),
     "a normal of nothing": ({**POSITIONS[4][0], "normal": [0, 0], "record": "position", "time": 1, "robot": 0}, "a direction"),
@@ -218,7 +245,7 @@ FAULTS = {
     ),
     "an unknown kind of record": (
         {"record": "sonar", "time": 1},
-        "a record among odometry, .*, twist, position, initial, leave",
+        "a record among odometry, .*, twist, position, relative_heading, initial, leave",
     ),
 }
 
@@ -267,7 +294,7 @@ def test_a_log_needs_no_frames(tmp_path):
 
 def test_a_log_of_version_1_takes_what_version_1_has(tmp_path):
     header, records = Header(replace(PLAIN, sensors=()), -0.5), records_of(np.random.default_rng(3))
-    there = [records[1], *records[4:7], records[10], records[-1]]  # positions are none of them
+    there = [records[1], *records[4:7], records[10], records[-1]]  # positions and mates' headings are none of them
     with LogWriter(tmp_path / "log.jsonl", header, START) as log:
         for record in records:
             if record in there:

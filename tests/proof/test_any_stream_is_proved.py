@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from helpers.proved.streams import NAMES, Team, as_it_comes, in_step, written
+from helpers.proved.streams import NAMES, Team, as_it_comes, in_step, with_mates, written
 
 from experiments import prove
 from experiments.follow import main
@@ -19,6 +19,7 @@ from experiments.prove import prove as links_of
 from filter import Position
 
 RUNS = [(in_step, 1), (in_step, 4), (as_it_comes, 3), (as_it_comes, 0), (as_it_comes, 1)]
+MATES = (4, 1)  # where robots see how mates look, too
 
 
 def followed(path, lines, *options):
@@ -26,6 +27,13 @@ def followed(path, lines, *options):
     log = written(path / "given.jsonl", lines)
     assert main([str(log), "--certificates", "--out", str(path / "run"), *options]) == 0
     return path / "run"
+
+
+def drawn(make, seed):
+    """Return the lines of a log."""
+    rng = np.random.default_rng(seed)
+    lines = make(team := Team(rng))
+    return with_mates(lines, team, rng) if seed in MATES else lines
 
 
 def silent(text):
@@ -36,7 +44,7 @@ def test_any_run_is_proved(tmp_path_factory):
     links = Counter()
     for make, seed in RUNS:
         path = tmp_path_factory.mktemp("run")
-        folder = followed(path, make(Team(np.random.default_rng(seed))), *(["--light"] if seed % 2 else []))
+        folder = followed(path, drawn(make, seed), *(["--light"] if seed % 2 else []))
         links += links_of(folder, silent)
         told = json.loads((folder / "summary.json").read_text())
         assert told["checks"] > told["heading_checks"] > 0
@@ -69,8 +77,9 @@ def test_a_log_is_read_as_people_have_it(tmp_path, how):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_its_frames_are_those_of_the_filter(tmp_path, seed):
-    lines = (in_step if seed % 4 == 0 else as_it_comes)(Team(np.random.default_rng(seed)), *([1.6] if seed % 4 == 3 else []))
-    path = written(tmp_path / "log.jsonl", lines)
+    rng, make = np.random.default_rng(seed), in_step if seed % 4 == 0 else as_it_comes
+    lines = make(team := Team(rng), *([1.6] if seed % 4 == 3 else []))
+    path = written(tmp_path / "log.jsonl", with_mates(lines, team, rng))
     frames = []
     try:
         frames.extend(LogReader(path).frames())

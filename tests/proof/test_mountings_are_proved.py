@@ -46,7 +46,8 @@ def folders(tmp_path_factory):
 def test_any_run_is_proved(tmp_path):
     links = Counter()
     for seed in range(3):
-        links += links_of(followed(tmp_path / str(seed), seed, "--light", known=seed != 2, wide=[0.3, 2.0][seed % 2]), silent)
+        how = {"known": seed != 2, "wide": [0.3, 2.0][seed % 2], "mates": seed > 0}
+        links += links_of(followed(tmp_path / str(seed), seed, "--light", **how), silent)
     assert links["rows of bearings, from the log"] > 40
     assert links["rows of ranges, near side, over a narrower arc that is proved"] > 20
     assert links["headings, from bearings, too"] > 2

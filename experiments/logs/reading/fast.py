@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache, partial
 from operator import eq
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from msgspec import UNSET, DecodeError
@@ -27,13 +27,14 @@ from experiments.logs.checks import (
 )
 from experiments.logs.reading import typed
 from experiments.logs.reading.bodies import Bodies, bodies_of, sensors_of
-from experiments.logs.reading.pairs import without_pairs
+from experiments.logs.reading.pairs import VALUES, Bounded, without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Record, TruthAt, settled
-from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, Truth, Twist
+from filter import Array, Bearing, Compass, Integers, InvalidInput, Odometry, Position, Range, RelativeHeading, Truth, Twist
 
-_NAMES: dict[type, list[str]] = {kind: field_names(kind) for kind in (Odometry, Twist, Compass, Bearing, Range)}
-_MOST: dict[type[Compass | Bearing | Range], float] = {Compass: np.pi, Bearing: np.pi, Range: LARGEST}
+_NAMES: dict[type, list[str]] = {kind: field_names(kind) for kind in (Odometry, Twist, *VALUES)}
+_MOST = {kind: LARGEST if kind is Range else np.pi for kind in VALUES}
 _AXES = {name: read_only(np.array(column)) for name, column in (("normal_x", [1.0, 0, -1, 0]), ("normal_y", [0, 1.0, 0, -1]))}
+Seen = TypeVar("Seen", Bearing, Range, RelativeHeading)
 
 
 class _Unusual(Exception):
@@ -52,6 +53,7 @@ class Fast:
             typed.CompassLine: self._compass,
             typed.BearingLine: partial(self._sighted, Bearing),
             typed.RangeLine: partial(self._sighted, Range),
+            typed.RelativeHeadingLine: self._related,
             typed.FixLine: self._fix,
             typed.TruthLine: self._truth,
             typed.SomeTruthLine: self._some_truth,
@@ -94,9 +96,10 @@ class Fast:
             heading_in_radians(columns["heading"], columns["bound"])
         return settled(Compass, time=time, **columns)
 
-    def _sighted(
-        self, kind: type[Bearing | Range], time: float, robot: Any, value: Any, bound: Any, *rest: Any
-    ) -> Bearing | Range:
+    def _related(self, time: float, robot: Any, mate: Any, value: Any, bound: Any, *sensors: Any) -> RelativeHeading:
+        return self._sighted(RelativeHeading, time, robot, value, bound, mate, UNSET, *sensors)
+
+    def _sighted(self, kind: type[Seen], time: float, robot: Any, value: Any, bound: Any, *rest: Any) -> Seen:
         *relative, mate, mark, sensor, tag = rest
         bodies = [self._listed(robot), self._target(mate, mark)]
         columns = self._measured(kind, bodies, [value, bound, *relative], [sensor, tag])
@@ -104,12 +107,12 @@ class Fast:
             raise _Unusual
         if tag is not UNSET and (columns["target_sensor"][columns["target"] >= self._robots.count] != AT_THE_CENTRE).any():
             raise _Unusual
-        if kind is Bearing and not _is_small(columns["bearing"]):
-            bearing_in_radians(columns["bearing"])
+        if kind is not Range and not _is_small(columns[VALUES[kind]]):
+            bearing_in_radians(columns[VALUES[kind]])
         return settled(kind, time=time, **columns)
 
     def _measured(
-        self, kind: type[Compass | Bearing | Range], bodies: list[Any], values: list[Any], sensors: list[Any]
+        self, kind: type[Bounded], bodies: list[Any], values: list[Any], sensors: list[Any]
     ) -> dict[str, NDArray[Any]]:
         """Return the columns of a measurement: bodies, values with their bounds, and what sensors are said."""
         said = [self._mounted(sensor) for sensor in sensors if sensor is not UNSET]
@@ -203,7 +206,7 @@ def _known(heading: float | None) -> float:
     return np.nan if heading is None else heading
 
 
-def _without_pairs(kind: type[Compass | Bearing | Range], value: Any, bound: list[Any], alone: bool) -> tuple[Any, Any]:
+def _without_pairs(kind: type[Bounded], value: Any, bound: list[Any], alone: bool) -> tuple[Any, Any]:
     """Return values and bounds without pairs, within their limits; a list alone among numbers is a pair itself."""
     given: list[Any] = [bound] if alone else bound
     if not all(isinstance(each, float) or len(each) == 2 for each in given) or (alone and list in map(type, bound)):

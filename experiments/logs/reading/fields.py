@@ -176,11 +176,11 @@ class Fields:
         value = self._take(name)
         return missing if value is None else known.number(name, value)
 
-    def robots(self, known: Bodies) -> Integers:
-        """Take the column `robot`."""
-        robots = self.bodies("robot", known)
+    def robots(self, known: Bodies, name: str = "robot") -> Integers:
+        """Take a column of robots."""
+        robots = self.bodies(name, known)
         if None in robots:
-            raise InvalidInput(f"robot: {known.expected}", "null")
+            raise InvalidInput(f"{name}: {known.expected}", "null")
         return np.array(robots, dtype=np.int64)
 
     def robot(self, known: Bodies) -> int:

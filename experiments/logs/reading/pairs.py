@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, nextafter
 
-from filter import Bearing, Compass, InvalidInput, Range
+from filter import Bearing, Compass, InvalidInput, Range, RelativeHeading
 
-VALUES: dict[type[Compass | Bearing | Range], str] = {Compass: "heading", Bearing: "bearing", Range: "range"}
+Bounded = Compass | Bearing | Range | RelativeHeading  # what has a value, within a bound
+VALUES: dict[type[Bounded], str] = {Compass: "heading", Bearing: "bearing", Range: "range", RelativeHeading: "heading"}
 
 
 def without_pairs(
-    kind: type[Compass | Bearing | Range], values: Sequence[float], bounds: Sequence[float | tuple[float, float]]
+    kind: type[Bounded], values: Sequence[float], bounds: Sequence[float | tuple[float, float]]
 ) -> tuple[list[float], list[float]]:
     """Return values and bounds of one kind of measurement without pairs; one value, or one bound, stands for all.
 
@@ -27,7 +28,7 @@ def without_pairs(
     return [value for value, _ in found], [bound for _, bound in found]
 
 
-def _centred(kind: type[Compass | Bearing | Range], value: float, bound: float | tuple[float, float]) -> tuple[float, float]:
+def _centred(kind: type[Bounded], value: float, bound: float | tuple[float, float]) -> tuple[float, float]:
     if isinstance(bound, float):
         return value, bound
     found = centred(value, *bound)

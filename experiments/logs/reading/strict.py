@@ -15,9 +15,23 @@ from experiments.logs.checks import AT_THE_CENTRE, field_names, read_only
 from experiments.logs.reading.bodies import bodies_of, sensors_of
 from experiments.logs.reading.fields import Fields
 from experiments.logs.reading.heads import read_set
-from experiments.logs.reading.pairs import VALUES, without_pairs
+from experiments.logs.reading.pairs import VALUES, Bounded, without_pairs
 from experiments.logs.records import FIRST, FrameEnd, Header, Joined, Record, TruthAt
-from filter import Bearing, Compass, Integers, InvalidInput, Left, Measurement, Odometry, Polygon, Position, Range, Truth, Twist
+from filter import (
+    Bearing,
+    Compass,
+    Integers,
+    InvalidInput,
+    Left,
+    Measurement,
+    Odometry,
+    Polygon,
+    Position,
+    Range,
+    RelativeHeading,
+    Truth,
+    Twist,
+)
 
 ASIDE = "aside"  # a column that need not be there
 SENSORS = ("sensor", "target_sensor")  # neither need these
@@ -39,6 +53,7 @@ class Strict:
         }
         if not self._first:
             self._readers |= {"twist": self._twist, "position": self._position}
+            self._readers |= {"relative_heading": partial(self._measured, RelativeHeading)}
             self._readers |= {"initial": self._joined, "leave": self._left}
 
     def read(self, record: Fields) -> Record:
@@ -69,13 +84,13 @@ class Strict:
             names.append(ASIDE)
         return {name: record.numbers(name) for name in names}
 
-    def _measured(self, kind: type[Compass | Bearing | Range], record: Fields) -> Compass | Bearing | Range:
+    def _measured(self, kind: type[Bounded], record: Fields) -> Bounded:
         single = not self._first and not record.lengths(besides="bound")
         self._even(record, "bound" if single else "")
         time = record.number("time")
         columns: dict[str, Any] = {"robot": record.robots(self._robots)}
         if kind is not Compass:
-            columns["target"] = self._targets(record)
+            columns["target"] = record.robots(self._robots, "target") if kind is RelativeHeading else self._targets(record)
         columns |= {name: record.numbers(name) for name in field_names(kind) if name not in (*columns, "bound", *SENSORS)}
         columns |= self._sensors_in(kind, record)
         if self._first or not record.is_a(list, "bound"):

@@ -97,6 +97,18 @@ class RangeLine(Line, Generic[Body, Bound], tag="range"):
     target_sensor: Body | list[Body | None] | UnsetType | None = UNSET
 
 
+class RelativeHeadingLine(Line, Generic[Body, Bound], tag="relative_heading"):
+    """A line of relative headings."""
+
+    time: Number
+    robot: Body | list[Body]
+    target: Body | list[Body]
+    heading: Number | list[Number]
+    bound: HalfTurn | list[Bound]
+    sensor: Body | list[Body | None] | UnsetType | None = UNSET
+    target_sensor: Body | list[Body | None] | UnsetType | None = UNSET
+
+
 class FixLine(Line, Generic[Body], tag="position"):
     """One robot's position, within a bound in x and y."""
 
@@ -146,6 +158,7 @@ second: Decoder[Line] = Decoder(
     | CompassLine[Named, Pair]
     | BearingLine[Named, Pair]
     | RangeLine[Named, Pair]
+    | RelativeHeadingLine[Named, Pair]
     | FixLine[Named]
     | SomeTruthLine[Named]
     | FrameLine

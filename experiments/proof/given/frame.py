@@ -11,12 +11,13 @@ from experiments.proof.motion import Piece
 
 Who = tuple[str, int, int | None]  # kind, robot, target
 Pose = tuple[Vector | None, Fraction | None]  # a true place and a true heading, None for what nobody knows
+MATES = "relative_heading"  # the kind that says how mates look, as seen by a robot
 BOX = [plane(direction) for _, _, direction in SIDES]
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One compass reading, bearing or range.
+    """One compass reading, bearing, range or relative heading.
 
     Attributes:
         value: [rad] or [m]; an angle is from the robot's forward axis, wherever the sensor looks.

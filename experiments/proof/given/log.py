@@ -110,7 +110,7 @@ class _Frames:
             for robot, (spot, way) in told.items():
                 before = frame.truth.get(robot, (None, None))
                 frame.truth[robot] = before[0] if spot is None else spot, before[1] if way is None else way
-        elif kind in MEASURED:
+        elif kind in MEASURED and self._is_known(kind):
             for who, reading in readings_of(self._head, kind, record):
                 frame.readings.setdefault(who, []).append(reading)
                 frame.measurements += 1

@@ -6,7 +6,7 @@ from typing import Any
 
 from experiments.proof.exact import Vector
 from experiments.proof.given.driven import Part
-from experiments.proof.given.frame import Behind, Place, Pose, Reading, Who, Within
+from experiments.proof.given.frame import MATES, Behind, Place, Pose, Reading, Who, Within
 from experiments.proof.given.head import FIRST, Head, fields_of, point
 from experiments.proof.given.sensors import CENTRE, Mount
 from experiments.proof.motion import Piece
@@ -23,12 +23,14 @@ COLUMNS = {
     "compass": ("heading", "bound"),
     "bearing": ("bearing", "bound"),
     "range": ("range", "bound", "relative_bound"),
+    MATES: ("heading", "bound"),
 }
-MEASURED = ("compass", "bearing", "range")
-TURNED = {"compass": -1, "bearing": 1, "range": 0}  # how the angle of a sensor counts
+OF_TARGETS = ("bearing", "range", MATES)
+MEASURED = ("compass", *OF_TARGETS)
+TURNED = {"compass": (-1, 0), "bearing": (1, 0), "range": (0, 0), MATES: (1, -1)}  # how angles of sensors and tags count
 POSITIVE = {"distance_bound", "turn_bound", "speed_bound", "turn_rate_bound", "direction_bound", "slip_bound", "slip_rate"}
 POSITIVE |= {"bound", "relative_bound", "range", HOLD}
-LATER = ("twist", "position", "initial", "leave")  # kinds of records that version 1 does not have
+LATER = ("twist", "position", MATES, "initial", "leave")  # kinds of records that version 1 does not have
 Numbers = dict[str, Fraction]
 
 
@@ -52,14 +54,18 @@ def readings_of(head: Head, kind: str, record: Record) -> Iterator[tuple[Who, Re
     Where a bound is a pair, low and high, the error lies between these: the value then is the middle of what is true. What a
     sensor says that does not look forward is turned, and less sure by what its angle can be off.
     """
-    may = {"target", "landmark"} if kind != "compass" else set()
+    of_mates = {"target"} if kind == MATES else set()
+    may = {"target", "landmark"} if kind in ("bearing", "range") else set()
     if head.version > FIRST:
-        may |= {"sensor", "target_sensor"} if kind != "compass" else {"sensor"}
-    for robot, target, (own, other), values in _rows(head, kind, record, {"time", "robot"}, may):
-        share, sign = values.get("relative_bound", Fraction(0)), TURNED[kind]
+        may |= {"sensor", "target_sensor"} if kind in OF_TARGETS else {"sensor"}
+    for robot, target, (own, other), values in _rows(head, kind, record, {"time", "robot", *of_mates}, may):
+        share, (sign, back) = values.get("relative_bound", Fraction(0)), TURNED[kind]
         if share >= 1:
             raise Broken("a relative bound of 1 or more")
-        value, bound = values[COLUMNS[kind][0]] + sign * own.angle, values["bound"] + abs(sign) * own.angle_off
+        if target == robot:
+            raise Broken("a target other than the robot that measures was expected")
+        value = values[COLUMNS[kind][0]] + sign * own.angle + back * other.angle
+        bound = values["bound"] + abs(sign) * own.angle_off + abs(back) * other.angle_off
         yield (kind, robot, target), Reading(value, bound, share, own, other)
 
 
@@ -74,7 +80,7 @@ def _rows(
     if head.version > FIRST and kind in MEASURED and not any(isinstance(value, list) for value in _all_but_bound(record)):
         values = [[value] if name == "bound" else value for name, value in zip(names, values, strict=True)]
     for robot, mate, mark, own, tag, *row in _columns([*who, *values], alike=head.version > FIRST):
-        target = head.target(mate, mark) if kind in ("bearing", "range") else None
+        target = head.target(mate, mark) if kind in OF_TARGETS else None
         if tag is not None and mate is None:
             raise Broken("a target_sensor on a robot was expected: landmarks are where they are")
         mounts = head.mounts.of(own), CENTRE if tag is None else head.mounts.of(tag)

@@ -11,10 +11,10 @@ from experiments.logs import Header, InitialSet, LogWriter
 from filter import Frame, Truth
 
 
-def logged(path, world, *, frames=4, known=True, wide=0.3, placed=0.0):
+def logged(path, world, *, frames=4, known=True, wide=0.3, placed=0.0, mates=False):
     """Write the log of some frames of a world, of headings that are known at the start or not; return its path.
 
-    A share of the antennas is placed somewhere in each frame.
+    A share of the antennas is placed somewhere in each frame; robots see how mates look, or not.
     """
     sets, headings = world.initial(wide, 0.2)
     arcs = zip(headings.centre.tolist(), headings.bound.tolist(), strict=True)
@@ -22,8 +22,9 @@ def logged(path, world, *, frames=4, known=True, wide=0.3, placed=0.0):
     with LogWriter(path / "given.jsonl", Header(world.team, 0.0, 10.0), initial) as log:
         for k in range(frames):
             motion = world.drive((k - 1) / 10, k / 10) if k else None
-            measured = world.measure(k / 10) + (world.placed(k / 10, placed) if placed else [])
-            log.write(Frame(k / 10, motion, measured, Truth(world.positions, world.headings)))
+            records = [*world.measure(k / 10), *(world.placed(k / 10, placed) if placed else [])]
+            records += [world.mates(k / 10)] if mates else []
+            log.write(Frame(k / 10, motion, records, Truth(world.positions, world.headings)))
     return path / "given.jsonl"
 
 

@@ -192,6 +192,21 @@ def _is_of_nobody(line: Line) -> bool:
     return line["robot"] in gone or line.get("target") in gone
 
 
+def with_mates(lines: list[Line], team: Team, rng: np.random.Generator) -> list[Line]:
+    """Return a log in which whoever measures a mate tells its heading as well, now and then, and of a few anything."""
+    found = list[Line]()
+    for line in lines:
+        found.append(line)
+        if "target" in line and rng.uniform() < 0.7:
+            robot, mate = (NAMES.index(str(line[name])) for name in ("robot", "target"))
+            (_, looks), (_, seen) = (team.at(body, _time(line)) for body in (robot, mate))
+            record = {"record": "relative_heading", "time": line["time"], "robot": line["robot"], "target": line["target"]}
+            low, high = rng.choice([-0.03, -0.6]), 0.04
+            off = rng.choice([low, high, rng.uniform(low, high)])
+            found.append({**record, "heading": seen - looks + off, "bound": [low - 1e-9, high + 1e-9]})
+    return found
+
+
 def written(path, lines: list[Line]):
     """Write a log; return its path."""
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))

@@ -20,6 +20,7 @@ from filter import (
     Polygon,
     Position,
     Range,
+    RelativeHeading,
     Sensor,
     SetMembershipFilter,
     Team,
@@ -148,6 +149,14 @@ class MountedWorld:
         """Return what compasses of robots (k,) show."""
         shown = wrap(self.headings[who] + self.angles[2] + self.sloppy * self.error(len(who)))
         return Compass(time, who, shown, self.sloppy + 1e-9, 2)
+
+    def mates(self, time: float = 0.0, share: float = 0.5) -> RelativeHeading:
+        """Return what a share of robots see of others' headings, by any sensor of any other one."""
+        who = np.flatnonzero(self.rng.random(self.robots) < share)
+        whom, count = (who + self.rng.integers(1, self.robots, len(who))) % self.robots, len(who)
+        sensor, tag = self.rng.integers(-1, 3, (2, count))
+        seen = self.headings[whom] + self.angles[tag] - self.headings[who] - self.angles[sensor]
+        return RelativeHeading(time, who, whom, wrap(seen + self.sloppy * self.error(count)), self.sloppy + 1e-9, sensor, tag)
 
     def excluded_by(self, belief: Belief) -> tuple[list[int], list[int]]:
         """Return the robots of which a belief excludes the true place, and those of which it excludes the true heading."""

@@ -128,9 +128,15 @@ class Merger(Frozen):
         return Merged(merged, passes[-1].headings, (*cases, *passes), wide)
 
     def _placed(self) -> "Merger":
-        """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are."""
+        """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are.
+
+        Raises `Inconsistent` if some are nowhere: how far sensors are from centres, or motion since, may make room for them.
+        """
         if not len(self.readings.positions.robot):
             return self
+        farthest = float(np.abs([self.polytope.lower, self.polytope.upper]).max())
+        if nowhere := self.readings.placed_nowhere(self._position_rows().offset, farthest):
+            raise Inconsistent(f"at {self.readings.positions.time} s", nowhere)
         of_positions = self._positions(Look.of_compasses(self.headings, self.readings))
         rows = Constraints.concatenate([self.polytope.constraints, of_positions])
         return replace(self, polytope=self.polytope.with_constraints(rows))
@@ -242,10 +248,12 @@ class Merger(Frozen):
     def _on_robots(self, rows: Constraints, look: Look) -> Constraints:
         return self._centred(on_robots(rows, self.polytope, self.landmarks), look)
 
-    def _positions(self, look: Look) -> Constraints:
+    def _position_rows(self) -> Constraints:
         first, positions = len(self.readings.bearings.robot) + len(self.readings.ranges.robot), self.readings.positions
-        numbers = self.numbers[first : first + len(positions.robot)]
-        return self._centred(position_rows(positions, self.polytope, numbers), look)
+        return position_rows(positions, self.polytope, self.numbers[first : first + len(positions.robot)])
+
+    def _positions(self, look: Look) -> Constraints:
+        return self._centred(self._position_rows(), look)
 
     def _centred(self, rows: Constraints, look: Look) -> Constraints:
         """Return rows on the places of sensors, when they measured, as rows on where robots are now."""

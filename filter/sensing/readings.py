@@ -25,7 +25,6 @@ COMPASSES, BEARINGS, RANGES, POSITIONS, RELATIVES = range(len(KIND_OF))  # place
 ROWS = slice(BEARINGS, RELATIVES)  # of those that make rows
 WHO = ("robot", "target", "sensor", "target_sensor")
 AT = "at"  # the column of instants
-OUTERMOST = 1e9  # that half-planes meet farther out is no matter [m]
 NO_VALUES = (np.zeros(0), np.zeros(0, dtype=np.int64))  # columns of values, and of robots
 
 
@@ -113,17 +112,26 @@ class Readings(NamedTuple):
         doubtful = self.mountings.time_bound[record.sensor] > 0
         return np.where(doubtful, alone, first * count + last), count**2 + sum(sizes)
 
-    def place_somebody_nowhere(self) -> bool:
-        """Return whether positions of one robot at one instant, all by one sensor, have nothing in common, for sure."""
-        record = self.positions
-        if not len(record.robot):
-            return False
-        who = np.stack([record.robot, record.sensor, self.at[POSITIONS]])
-        _, which, count = np.unique(who, axis=1, return_inverse=True, return_counts=True)
-        order, end = np.argsort(which.ravel(), kind="stable"), np.cumsum(count)
-        farthest = np.full((len(count), 2), OUTERMOST)
-        clipped = clip_boxes(record.normals[order], record.offset[order], (end - count, end), -farthest, farthest)
-        return bool(clipped.empty.any())
+    def placed_nowhere(self, offset: Array, farthest: float) -> list[Source]:
+        """Return positions that nobody can be at who is no farther than so from the origin on each axis [m]: that is proved.
+
+        They are of one robot at one instant, by one sensor, whose clock is right, and have nothing in common though they reach
+        as far as (p,) offsets say, which allow for rounding [m].
+        """
+        mounted = self.mountings
+        arm = 0.0 if mounted is None else float((np.hypot(*mounted.position.T) + mounted.position_bound).max())
+        record, at, times = self.positions, self.at[POSITIONS], self.times[POSITIONS]
+        late = np.zeros(len(at)) if mounted is None else mounted.time_bound[record.sensor]
+        some = np.flatnonzero(late == 0)
+        sensors = int(record.sensor.max(initial=AT_THE_CENTRE)) + 2
+        key = (at * (record.robot.max(initial=0) + 1) + record.robot) * sensors + record.sensor + 1
+        _, first, which, count = np.unique(key[some], return_index=True, return_inverse=True, return_counts=True)
+        order, end = some[np.argsort(which, kind="stable")], np.cumsum(count)
+        box = np.full((len(count), 2), 2 * (farthest + arm) + 1)
+        empty = clip_boxes(record.normals[order], offset[order], (end - count, end), -box, box).empty
+        whose = some[first[empty]]
+        table = Sources.of("position", times[whose], record.robot[whose], NOBODY, record.sensor[whose])
+        return [table[k] for k in range(len(table))]
 
     def tie_robots(self, robots: int) -> bool:
         """Return whether one of n robots measured another."""

@@ -212,8 +212,6 @@ class SetMembershipFilter(Frozen):
             frames = [replace(frame, odometry=belief.guarantee.of_those_there(frame.odometry)) for frame in frames]
         since = Since.of(self.team, belief.headings, belief.time, frames)
         readings = Readings.of(time, records, since, self.team.mountings)
-        if readings.place_somebody_nowhere():  # what moves since would make room for
-            return None
         is_over = self.budget.begin() if self.budget else never
         try:
             looks, moves = looks_at_a_glance(since, readings)

@@ -179,9 +179,9 @@ def test_a_log_says_how_far_a_clock_is_off(tmp_path):
     assert [sensor.time_bound for sensor in LogReader(tmp_path / "log.jsonl").header.team.sensors] == [1 / 3, 0.0]
 
 
-@pytest.mark.parametrize("sensor", [Sensor("gps", [0.5, 0.0]), Sensor("gps", time_bound=0.1)])
-def test_antennas_and_clocks_that_are_off_are_not_proved_as_yet(tmp_path, sensor, capsys):
-    with LogWriter(tmp_path / "log.jsonl", Header(Team(1, arena=ARENA, sensors=[sensor]), 0.0), [InitialSet()]) as log:
+def test_clocks_that_are_off_are_not_proved_as_yet(tmp_path, capsys):
+    team = Team(1, arena=ARENA, sensors=[Sensor("gps", time_bound=0.1)])
+    with LogWriter(tmp_path / "log.jsonl", Header(team, 0.0), [InitialSet()]) as log:
         log.append(Position.fix(0.0, 0, [0, 0], 0.1, 0))
     assert main([str(tmp_path / "log.jsonl"), "--certificates", "--out", str(tmp_path / "run")]) == 2
     assert "--certificates" in capsys.readouterr().err

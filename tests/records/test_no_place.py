@@ -19,6 +19,7 @@ from filter import (
     Polygon,
     Position,
     Range,
+    Sensor,
     SetMembershipFilter,
     Source,
     Team,
@@ -188,3 +189,58 @@ def test_a_run_goes_on_without_it_and_says_so(log, tmp_path, options):
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert (summary["rejected"], summary["guarantee_suspended_since_s"]) == (1, 1.0)
     assert "certificates" not in options[0] or prove([str(tmp_path)]) == 0
+
+
+ANTENNAS = Team(
+    2,
+    arena=TEAM.arena,
+    speed_limit=1.0,
+    sensors=[Sensor("mast", [2.0, 0.0]), Sensor("twin", [-2.0, 0.0]), Sensor("late", [2.0, 0.0], time_bound=0.5)],
+)
+
+
+def at_antennas(records, policy="raise"):
+    filter_ = SetMembershipFilter(ANTENNAS, policy=policy)
+    return filter_.update(filter_.start(0.0, [BOX, BOX]), records)
+
+
+@pytest.mark.parametrize("sensor", [0, 1])
+def test_an_antenna_that_is_nowhere_is_found_though_the_heading_is_unknown(sensor):
+    """As far as the centre goes, two metres of arm make room between the two half-planes."""
+    with pytest.raises(Inconsistent) as caught:
+        at_antennas([nowhere(sensor=sensor), Compass(0.0, 0, 0.0, 0.1)])
+    assert caught.value.sources == (Source("position", 0.0, 1, sensor=sensor),)
+    fixes = [Position.fix(0.0, 1, [x, 0.0], 0.1, sensor) for x in (-0.5, 0.5)]
+    with pytest.raises(Inconsistent) as caught:
+        at_antennas(fixes)
+    assert caught.value.sources == (Source("position", 0.0, 1, sensor=sensor),) * 2
+    belief = at_antennas([nowhere(sensor=sensor), fixes[0]], "reject")
+    assert [event.source for event in belief.events] == [Source("position", 0.0, 1, sensor=sensor)]
+    assert (belief.regions.outer.areas == at_antennas([fixes[0]]).regions.outer.areas).all()
+
+
+def test_two_antennas_are_at_two_places_and_one_whose_clock_is_off_was_at_two_instants():
+    west, east = [-0.5, 0.0], [0.5, 0.0]
+    apart = [Position.fix(0.0, 1, west, 0.1, 0), Position.fix(0.0, 1, east, 0.1, 1)]
+    late = [Position.fix(0.0, 1, place, 0.1, 2) for place in (west, east)]
+    others = [Position.fix(0.0, robot, place, 0.1, 0) for robot, place in ((0, west), (1, east))]
+    for records in (apart, late, others):
+        assert at_antennas(records).guarantee.in_force.all()
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-9])
+def test_half_planes_that_touch_or_are_apart_by_rounding_leave_a_line(gap):
+    belief = updated([nowhere(gap=gap)])
+    assert belief.regions[1].outer.area < 1e-6
+    assert belief.regions[1].outer.contains([0.5, 0.0]) or gap
+    assert at_antennas([nowhere(gap=gap, sensor=0)]).guarantee.in_force.all()
+
+
+@pytest.mark.parametrize("far", [1e4, 5e6, 1e10])
+def test_far_from_the_origin_nobody_is_taken_to_be_nowhere(far):
+    team = Team(1, sensors=[Sensor("mast", [2.0, 0.0])])
+    filter_, place = SetMembershipFilter(team), np.array([far, -far])
+    belief = filter_.start(0.0, [Polygon.box(place - 3, place + 3)])
+    for sensor in (-1, 0):
+        records = [Position.fix(0.0, 0, place, 0.5, sensor), Position.disc(0.0, 0, place, 0.5, 16, sensor)]
+        assert filter_.update(belief, records).regions[0].outer.contains(place)

@@ -47,6 +47,7 @@ class Chain:
         self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
         self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
+        self._told: tuple[list[Arc], list[Arc]] = [], []  # these, and what is left of them by what `_looking` takes
 
     @property
     def headings(self) -> Sequence[Arc]:
@@ -99,10 +100,15 @@ class Chain:
         if proved is None:
             self._case_by_case(line)
         elif "side" in line:
-            # how robots look, as far as it is proved without the bearings of this pass
-            self.sides.add(line, proved, looking(self._instants[-1].frame, self._looks) if "sensors" in line else ())
+            self.sides.add(line, proved, self._looking() if "sensors" in line else ())
         else:
             self._claim(line)
+
+    def _looking(self) -> list[Arc]:
+        """Return how robots look as far as it is proved without the bearings of this pass; found once for many lines."""
+        if self._told[0] != self._looks:
+            self._told = list(self._looks), looking(self._instants[-1].frame, self._looks)
+        return self._told[1]
 
     def _case_by_case(self, line: Record) -> None:
         robot = line["robot"]
@@ -122,7 +128,7 @@ class Chain:
         for robot, start in frame.placed.items():
             looks[robot], self._placed[robot] = start.heading, number
         self._instants.append(Instant(log, frame, looks, sides, self.edges))
-        self._seen, self._looks = set(), list(self.headings)
+        self._seen, self._looks, self._told = set(), list(self.headings), ([], [])
         return frame
 
     def _narrow(self, frame: Frame, record: Record) -> None:
@@ -149,7 +155,7 @@ class Chain:
     def _ways(self, frame: Frame) -> Iterator[tuple[str, list[Arc]]]:
         """Yield how robots can look, without the bearings of this pass and with them."""
         now = list(self._looks)
-        yield "headings, from odometry, compasses and mates", looking(frame, now)
+        yield "headings, from odometry, compasses and mates", self._looking()
         yield "headings, from bearings, too", self.sides.looking(frame, now)
 
     def _claim(self, line: Record) -> None:

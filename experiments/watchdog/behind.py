@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from experiments.following.metrics import Words
-from filter import Array, Belief, Compass, Integers, Proof, Source, Step
+from filter import Array, Belief, Compass, Integers, Proof, RelativeHeading, Source, Step
 from filter.linear.sources import in_order
 from filter.sensing.readings import Readings
 
@@ -53,7 +53,7 @@ def traced(steps: Sequence[Step[Belief]], edges: Sequence[Edge]) -> tuple[Source
                 seen.add(key)
                 left.append(behind)
     found = {said for source in found for said in _said(at, source)}
-    found |= {heading for source in found if source.time in at for heading in _compass(at[source.time], source)}
+    found |= {heading for source in found if source.time in at for heading in _headings(at[source.time], source)}
     return tuple(sorted(found, key=in_order))
 
 
@@ -99,11 +99,17 @@ def _said(at: Mapping[float, Step[Belief]], source: Source) -> list[Source]:
     return Readings.of(source.time, at[source.time].frame.measurements).concerning(source.robot)
 
 
-def _compass(step: Step[Belief], source: Source) -> Iterator[Source]:
-    """Yield the compass of the instant that a bearing was turned by."""
+def _headings(step: Step[Belief], source: Source) -> Iterator[Source]:
+    """Yield what a bearing was turned by: compasses of the instant, also of mates whose heading was seen, or of theirs."""
     if source.kind == "bearing":
-        compasses = [record for record in step.frame.measurements if isinstance(record, Compass)]
-        yield from Readings.of(source.time, compasses).concerning(source.robot)
+        told = [record for record in step.frame.measurements if isinstance(record, Compass | RelativeHeading)]
+        readings, left, seen = Readings.of(source.time, told), [source.robot], set[int]()
+        while left:
+            robot = left.pop()
+            seen.add(robot)
+            said = readings.concerning(robot)
+            yield from said
+            left += {body for one in said for body in (one.robot, one.target) if body is not None} - seen
 
 
 def in_words(sources: Sequence[Source], words: Words = str) -> str:

@@ -130,7 +130,7 @@ class Readings(NamedTuple):
         box = np.full((len(count), 2), 2 * (farthest + arm) + 1)
         empty = clip_boxes(record.normals[order], offset[order], (end - count, end), -box, box).empty
         whose = some[first[empty]]
-        table = Sources.of("position", times[whose], record.robot[whose], NOBODY, record.sensor[whose])
+        table, _ = Sources().extended("position", times[whose], record.robot[whose], NOBODY, record.sensor[whose])
         return [table[k] for k in range(len(table))]
 
     def tie_robots(self, robots: int) -> bool:

@@ -11,7 +11,21 @@ from experiments.watchdog.claimed import Claimed
 from experiments.watchdog.episodes import Episodes
 from experiments.watchdog.judge import Judge, Verdict
 from experiments.watchdog.reach import Reach
-from filter import Bearing, Compass, Frame, Odometry, Polygon, Range, SetMembershipFilter, Source, Step, Team, follow, watch
+from filter import (
+    Bearing,
+    Compass,
+    Frame,
+    Odometry,
+    Polygon,
+    Range,
+    RelativeHeading,
+    SetMembershipFilter,
+    Source,
+    Step,
+    Team,
+    follow,
+    watch,
+)
 
 
 def verdicts(team, steps, claimed, tolerance):
@@ -172,6 +186,17 @@ def test_a_bearing_comes_with_the_compass_of_its_instant_and_a_row_with_the_odom
     first, last = min(source.time for source in found), steps[-1].frame.time
     driven = {source.time for source in found if source.kind == "odometry"}
     assert driven == {step.frame.time for step in steps if first < step.frame.time <= last}
+
+
+def test_a_bearing_comes_with_the_mates_headings_that_lead_to_a_compass_and_with_no_other():
+    filter_ = SetMembershipFilter(Team(4, [[5.0, 0.0]], speed_limit=0.0), cells=0)
+    start = filter_.start(0.0, [Polygon.box([-1, -9], [1, 9])] * 4)
+    mates = RelativeHeading(0.0, [1, 1], [0, 2], 0.0, 0.01)
+    seen = [Bearing(0.0, 0, 4, 0.0, 0.01), Compass(0.0, [2, 3], 0.0, 0.01), mates]
+    steps = list(follow(filter_, start, [Frame(0.0, None, seen)]))
+    found = set(traced(steps, [Edge(0.0, WORLD, 0, np.array([0.0, 1.0]))]))
+    led = {Source("relative heading", 0.0, 1, 0), Source("relative heading", 0.0, 1, 2), Source("compass", 0.0, 2)}
+    assert found == {Source("bearing", 0.0, 0, 4), *led} | {source for source in found if source.kind == "initial set"}
 
 
 def test_what_is_of_one_kind_between_the_same_two_is_told_together():

@@ -172,7 +172,7 @@ class Live:
                 self._answering = self._begun(answers, held)
                 self._through(self._answering, batch)
         except Inconsistent as error:
-            conflict = error.named(header.team)
+            conflict = header.team.words(error)
         except KeyboardInterrupt:
             stopped = True
         self._tell(conflict)

@@ -61,8 +61,8 @@ class Inconsistent(CorralError):
 
     def named(self, team: Any) -> str:
         """Return it in words, with the names that a team has for robots, landmarks and sensors."""
-        what = self.what if self.robot is None else f"{team.called(self.robot)} {self.what}"
-        return _conflict(what, (source.named(team) for source in self.sources))
+        what = self.what if self.robot is None else f"{team.words(self.robot)} {self.what}"
+        return _conflict(what, map(team.words, self.sources))
 
 
 def _conflict(what: str, sources: Iterable[str]) -> str:

@@ -7,11 +7,12 @@ from typing import Any, Self
 import numpy as np
 
 from filter.arrays import Array, Frozen, Mask, checked, instance
+from filter.records.names import InWords
 from filter.records.odometry import Odometry
 
 
 @dataclass(frozen=True, eq=False)
-class Guarantee(Frozen):
+class Guarantee(InWords, Frozen):
     """Whether what a belief says of each robot is guaranteed: it is in force, or suspended.
 
     Attributes:
@@ -58,15 +59,8 @@ class Guarantee(Frozen):
         """Return the odometry of robots that are not away: what is said of one that is shall not be in conflict with it."""
         return odometry.without(self.away) if odometry is not None and self.away else odometry
 
-    def __str__(self) -> str:
-        return self._in_words("robots ", str)
-
-    def named(self, team: Any) -> str:
-        """Return it in words, with the names that a team has for robots."""
-        return self._in_words("", team.name)
-
-    def _in_words(self, before: str, name: Callable[[int], str]) -> str:
+    def _in_words(self, words: Callable[[Any], str]) -> str:
         told: dict[str, list[str]] = {}
         for robot in np.flatnonzero(self.lapsed).tolist():
-            told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(name(robot))
-        return "; ".join(f"suspended for {before}{', '.join(who)} {why}" for why, who in told.items()) or "in force"
+            told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(words(robot))
+        return "; ".join(f"suspended for {', '.join(who)} {why}" for why, who in told.items()) or "in force"

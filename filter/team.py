@@ -272,13 +272,11 @@ class Team(Frozen):
         """Whether robots or landmarks have names of their own."""
         return self.names != (*numbered("r", self.robots), *numbered("l", len(self.landmarks)))
 
-    def called(self, robot: int) -> str:
-        """Return what a robot is called in words: its name, or "robot 3" in a team without names."""
-        return self.name(robot) if self.is_named else f"robot {robot}"
-
     def words(self, what: object) -> str:
-        """Return in words what happened, what is known, or an error: with the names of the team, if it has names of its own."""
-        named = getattr(what, "named", None) if self.is_named else None
+        """Return a robot by its number, what happened, what is known, or an error, in words with the names of the team."""
+        if isinstance(what, int | np.integer):
+            return self.name(int(what))
+        named = getattr(what, "named", None)
         return named(self) if named else str(what)
 
     def number_of(self, name: str) -> int:

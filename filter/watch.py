@@ -1,7 +1,8 @@
 """A guaranteed region proves other estimators wrong: an integrity monitor for whatever filter runs beside this one."""
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +11,8 @@ from filter.errors import InvalidInput
 from filter.geometry.convex import EPSILON
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
+from filter.records.names import InWords
 from filter.sets.belief import Belief
-from filter.team import Team
 
 SAME_DIRECTION = 1e-6  # an edge whose normal is within this of the separating line's carries it alone [rad]
 SYMMETRIC = 1e-9  # a covariance whose halves differ by more than this share is none
@@ -19,7 +20,7 @@ THINNEST = 1e-100  # an ellipse that is thinner counts as just so thin, as a poi
 
 
 @dataclass(frozen=True, eq=False)
-class Alarm(Frozen):
+class Alarm(InWords, Frozen):
     """Proof that an estimate of one robot is wrong, as long as every declared bound holds.
 
     Attributes:
@@ -42,17 +43,10 @@ class Alarm(Frozen):
     edges: tuple[int, ...]
     sources: tuple[Source, ...]
 
-    def __str__(self) -> str:
-        return self._in_words(f"robot {self.robot}", map(str, self.sources))
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the names that a team has for robots, landmarks and sensors."""
-        return self._in_words(team.name(self.robot), (source.named(team) for source in self.sources))
-
-    def _in_words(self, robot: str, sources: Iterable[str]) -> str:
+    def _in_words(self, words: Callable[[Any], str]) -> str:
         what = "the whole ellipse" if self.everything else "the estimate"
-        because = "; ".join(sources) or "the box that it was known to be in"
-        return f"{what} of {robot} at {self.time:.3f} s is impossible by {self.distance:.3f} m, proved by {because}"
+        because = "; ".join(map(words, self.sources)) or "the box that it was known to be in"
+        return f"{what} of {words(self.robot)} at {self.time:.3f} s is impossible by {self.distance:.3f} m, proved by {because}"
 
 
 def watch(

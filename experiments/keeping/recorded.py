@@ -17,7 +17,7 @@ from experiments.following.steps import Contacts
 from experiments.keeping.running import Keeper, Moment
 from experiments.show.recording import Recording
 from experiments.show.viewer import open_viewer
-from filter import Inconsistent, Placed, Rejected, Team
+from filter import Inconsistent, Placed, Team
 
 PICTURE_EVERY = 1.0  # [s]
 ROUNDING = 1e-9  # of times [s]
@@ -66,7 +66,7 @@ class Recorded(Keeper):
         step = moment.step
         self._recording.add(step.frame, step.belief)
         for event in step.belief.events:
-            self._recording.event(event.named(self._team) if isinstance(event, Rejected) else self._team.words(event), "WARN")
+            self._recording.event(self._team.words(event), "WARN")
         for change in step.frame.changes:
             how = "is placed" if isinstance(change, Placed) else "has left"
             self._recording.event(f"{self._team.name(change.robot)} {how}")
@@ -94,5 +94,5 @@ class Recorded(Keeper):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if isinstance(error, Inconsistent):
-            self._recording.event(error.named(self._team), "ERROR")
+            self._recording.event(self._team.words(error), "ERROR")
         self._recording.close()

@@ -89,7 +89,7 @@ class Running:
                         keeper.keep(moment)
                     progress.advance(step.frame.time - self.scenario.header.start, step.seconds)
         except Inconsistent as error:
-            return error.named(self.scenario.team)
+            return self.scenario.team.words(error)
         return None
 
     def summary(self, told: Mapping[str, Value], conflict: str | None) -> dict[str, Value]:

@@ -100,14 +100,14 @@ class Gathering:
             raise InvalidInput(f"no odometry at the start, {self._header.start!r} s", "odometry")
         robots = set(odometry.robot.tolist())
         if twice := self._moved & robots:
-            raise InvalidInput("odometry of each robot at most once a frame", f"{self._header.team.called(min(twice))} again")
+            raise InvalidInput("odometry of each robot at most once a frame", f"{self._header.team.name(min(twice))} again")
         self._moved |= robots
         self._odometry.append(odometry)
 
     def _add_truth(self, record: TruthAt) -> None:
         robots = set(record.robot.tolist())
         if twice := robots & self._shown:
-            raise InvalidInput("one truth of each robot a frame", f"another of {self._header.team.called(min(twice))}")
+            raise InvalidInput("one truth of each robot a frame", f"another of {self._header.team.name(min(twice))}")
         self._shown |= robots
         self._truths.append(record)
 

@@ -143,16 +143,22 @@ def centroid_of(vertices: Array) -> tuple[float, float]:
 
 
 @compiled
+def largest_of(points: Array) -> float:
+    """Return the size of the largest coordinate of points (k, 2); 0 where there is none."""
+    largest = 0.0
+    for k in range(len(points)):
+        largest = max(largest, abs(points[k, 0]), abs(points[k, 1]))
+    return largest
+
+
+@compiled
 def span_of(vertices: Array, margin: float) -> tuple[float, float]:
     """Return centre and bound of an arc that contains the direction from the origin to every point; errs outward [rad].
 
     What is meant is the hull of the vertices (e, 2), widened by the margin [m]. The bound is pi when the origin is inside,
     or so near that no direction is excluded for sure.
     """
-    size = 0.0
-    for k in range(len(vertices)):
-        size = max(size, abs(vertices[k, 0]), abs(vertices[k, 1]))
-    doubt = 2 * margin + 8 * EPSILON * size
+    doubt = 2 * margin + 8 * EPSILON * largest_of(vertices)
     nearest = _distance_of_edges(vertices) - doubt
     angles = np.arctan2(vertices[:, 1], vertices[:, 0])
     angles = angles[_in_order(angles, angles)]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,14 +12,14 @@ from filter.linear.solvers import Solver, Workspace, deepest_point, name_of, wor
 from filter.projection.proved import HalfPlanes, Projection
 from filter.projection.search import project
 from filter.projection.stop import IsOver, Stop, never
-from filter.team import Team
+from filter.records.names import InWords
 
 # Where what is proved differs from what a solver found by more than this share of the box, another solver is asked.
 LOOSE = 1e-3
 
 
 @dataclass(frozen=True)
-class Fallback:
+class Fallback(InWords):
     """A walk was lost, or a solver's answers were no good, and others were asked for.
 
     Attributes:
@@ -33,16 +34,9 @@ class Fallback:
     used: str | None
     seen_from: int | None = None
 
-    def __str__(self) -> str:
-        return self._in_words("robot {}".format)
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the names that a team has for robots."""
-        return self._in_words(team.name)
-
-    def _in_words(self, called: Callable[[int], str]) -> str:
-        what = "the deepest point" if self.robot is None else f"the region of {called(self.robot)}"
-        what += "" if self.seen_from is None else f" seen from {called(self.seen_from)}"
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        what = "the deepest point" if self.robot is None else f"the region of {words(self.robot)}"
+        what += "" if self.seen_from is None else f" seen from {words(self.seen_from)}"
         return f"{what}: no good answer of {', '.join(self.failed)}, {self.used or 'nobody'} took over"
 
 

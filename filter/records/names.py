@@ -1,7 +1,8 @@
-"""Names of robots, landmarks and sensors: what can be one, and what stands for them where there is none."""
+"""Names of robots, landmarks and sensors: what can be one, what stands where there is none, and words with them."""
 
 import re
-from collections.abc import Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -36,3 +37,18 @@ def place_of(what: str, name: str, names: Sequence[str]) -> int:
         near = get_close_matches(str(name), names, 1)
         raise InvalidInput(f"a name of {what}{f', as {near[0]}' if near else ''}", shown(name))
     return names.index(name)
+
+
+class InWords:
+    """Base of what people read: robots have numbers as text, and names in the words of a team."""
+
+    def __str__(self) -> str:
+        return self._in_words(lambda what: f"robot {what}" if isinstance(what, int) else str(what))
+
+    def named(self, team: Any) -> str:
+        """Return it in words, with the names that a team has for robots, landmarks and sensors."""
+        return self._in_words(team.words)
+
+    @abstractmethod
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        """Return it in words, from those for robots, by their numbers, and for sources."""

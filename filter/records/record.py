@@ -15,9 +15,7 @@ AT_THE_CENTRE = -1  # the number of a sensor that is at its robot's centre and l
 TIME, ROBOT, TARGET = checked(number, "time [s]"), checked(whole, "robot"), checked(whole, "target")
 CENTRE = read_only(np.full(1, AT_THE_CENTRE))  # the column of sensors where nothing is said
 BELOW_1, BELOW_90_DEGREES = np.nextafter(1.0, 0), np.nextafter(np.pi / 2, 0)
-
-
-NAMING = ("robot", "target", "sensor", "target_sensor")
+NAMING = ("robot", "target", "sensor", "target_sensor")  # the columns that name something by its number
 
 
 def _greatest(numbers: Integers | None) -> int:

@@ -1,8 +1,9 @@
 """What the robust filter knows at one time, and what happened on the way: rejected, contradictory, put aside, started over."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from filter.arrays import Array, Frozen
 from filter.geometry.angles import AngularIntervals
 from filter.guarantee import Guarantee
 from filter.linear.sources import Source
+from filter.records.names import InWords
 from filter.robust.cameras import Offsets
 from filter.robust.hypotheses import Hypotheses, polygon_of
 from filter.robust.trust import Trust
@@ -20,7 +22,7 @@ from filter.team import Team
 
 
 @dataclass(frozen=True)
-class Disagreement:
+class Disagreement(InWords):
     """Votes on a robot were proved to exclude one another: one of them is wrong. A new window has begun.
 
     Attributes:
@@ -33,19 +35,12 @@ class Disagreement:
     robot: int
     suspects: tuple[Source, ...]
 
-    def __str__(self) -> str:
-        return self._in_words(f"robot {self.robot}", map(str, self.suspects))
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the names that a team has for robots and landmarks."""
-        return self._in_words(team.name(self.robot), (source.named(team) for source in self.suspects))
-
-    def _in_words(self, robot: str, suspects: Iterable[str]) -> str:
-        return f"on {robot} disagree, one of them is wrong: {'; '.join(suspects)}"
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        return f"on {words(self.robot)} disagree, one of them is wrong: {'; '.join(map(words, self.suspects))}"
 
 
 @dataclass(frozen=True)
-class Restarted:
+class Restarted(InWords):
     """A robot starts over from anywhere in the arena: it was lost, or it had believed a sensor that is now put aside.
 
     Attributes:
@@ -60,15 +55,8 @@ class Restarted:
     suspended_since: float
     because: str
 
-    def __str__(self) -> str:
-        return self._in_words(f"robot {self.robot}")
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the name that a team has for the robot."""
-        return self._in_words(team.name(self.robot))
-
-    def _in_words(self, robot: str) -> str:
-        return f"{robot} starts over, guarantee suspended since {self.suspended_since:.3f} s: {self.because}"
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        return f"{words(self.robot)} starts over, guarantee suspended since {self.suspended_since:.3f} s: {self.because}"
 
 
 @dataclass(frozen=True)
@@ -94,23 +82,23 @@ class Distrusted:
     pairs: tuple[int, ...]
 
     def __str__(self) -> str:
-        role = "of" if self.sensor == "camera" else "by robots"
-        return self._in_words(f"{self.kind} {self.body}", role, map(str, self.pairs))
+        pairs = map(str if self.sensor == "camera" else "robot {}".format, self.pairs)
+        return self._in_words(f"{self.kind} {self.body}", pairs)
 
     def named(self, team: Team) -> str:
         """Return it in words, with the names that a team has for robots and landmarks."""
-        return self._in_words(team.name(self.body), "of" if self.sensor == "camera" else "by", map(team.name, self.pairs))
+        return self._in_words(team.name(self.body), map(team.name, self.pairs))
 
-    def _in_words(self, body: str, role: str, pairs: Iterable[str]) -> str:
+    def _in_words(self, body: str, pairs: Iterable[str]) -> str:
         name = f"{self.sensor} of {body}"
         if not self.aside:
             return f"{name} trusted again at {self.time:.3f} s"
-        bodies = ", ".join(pairs)
-        return f"{name} put aside at {self.time:.3f} s: sightings {role} {bodies} contradict regions since {self.since:.3f} s"
+        bodies = ("of " if self.sensor == "camera" else "by ") + ", ".join(pairs)
+        return f"{name} put aside at {self.time:.3f} s: sightings {bodies} contradict regions since {self.since:.3f} s"
 
 
 @dataclass(frozen=True)
-class Turned:
+class Turned(InWords):
     """A camera is suspected to be turned, as its robot drives in another direction than it shows; or it is trusted again.
 
     **This is statistical evidence, no proof**: sets do not exclude it. As long as it lasts, the camera's bearings tell where
@@ -133,14 +121,8 @@ class Turned:
     deviation: float
     since: float
 
-    def __str__(self) -> str:
-        return self._in_words(f"robot {self.robot}")
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the name that a team has for the robot."""
-        return self._in_words(team.name(self.robot))
-
-    def _in_words(self, robot: str) -> str:
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        robot = words(self.robot)
         by = f"by {np.degrees(self.offset):+.0f} +- {np.degrees(self.deviation):.0f} degrees"
         told = f"as {robot} drives, its bearings are off {by} (evidence, no proof)"
         if not self.aside:
@@ -149,7 +131,7 @@ class Turned:
 
 
 @dataclass(frozen=True)
-class Late:
+class Late(InWords):
     """A camera's clock is suspected to be wrong against that of its robot's commands; or it is trusted again.
 
     **This is statistical evidence, no proof.** As long as it lasts, nothing that the camera says is merged; the robot starts
@@ -169,14 +151,8 @@ class Late:
     deviation: float
     since: float
 
-    def __str__(self) -> str:
-        return self._in_words(f"robot {self.robot}")
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the name that a team has for the robot."""
-        return self._in_words(team.name(self.robot))
-
-    def _in_words(self, robot: str) -> str:
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        robot = words(self.robot)
         by = f"{abs(self.delay):.2f} +- {self.deviation:.2f} s too {'late' if self.delay > 0 else 'early'}"
         told = f"as {robot} turns, its pictures are stamped {by} (evidence, no proof)"
         if not self.aside:

@@ -7,7 +7,7 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import bounds_of, compiled, place_of_least, put, sum_of
 from filter.geometry.angles import ANGLE_ROUNDING
-from filter.geometry.convex import EPSILON, hull_of
+from filter.geometry.convex import EPSILON, hull_of, largest_of
 from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.polytope import APART
 from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
@@ -69,7 +69,7 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
     It is in a polygon (v, 2), or no farther than a margin beyond it [m], with a heading in an arc (2,), centre and bound [rad],
     which is narrowed in place.
     """
-    largest = max(_largest(start), _largest(said.points))
+    largest = max(largest_of(start), largest_of(said.points))
     most = len(tree.child) // 2
     rounding = 8 * EPSILON * largest * most * cuts_at_most(said)  # each cut makes vertices from those that one before has made
     scale = Scale(largest, margin + rounding, np.empty((CELL_CORNERS + 2, 2)))
@@ -153,15 +153,6 @@ def _hull_of_arcs(heading: Array, arcs: Array) -> None:
     half = (high - low) / 2 + WIDENING
     if len(arcs) and half < heading[1]:
         heading[0], heading[1] = wrapped(arcs[0, 0] + (low + high) / 2), half
-
-
-@compiled
-def _largest(points: Array) -> float:
-    """Return the largest coordinate of points (k, 2), by its size."""
-    largest = 0.0
-    for k in range(len(points)):
-        largest = max(largest, abs(points[k, 0]), abs(points[k, 1]))
-    return largest
 
 
 @compiled

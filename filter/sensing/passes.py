@@ -1,4 +1,4 @@
-"""Merger what was measured at one time, until it says nothing more at a glance.
+"""Merges what was measured at one time, until it says nothing more at a glance.
 
 Which rows a bearing makes depends on the heading, and which a range makes on the direction of its target. What the rows say of
 positions narrows both. So where a direction is wide there is another pass, from what the pass before has left of each robot's
@@ -7,6 +7,7 @@ own polygon. Only the rows of the last pass are kept.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -135,9 +136,9 @@ class Merger(Frozen):
         if not len(self.readings.positions.robot):
             return self
         farthest = float(np.abs([self.polytope.lower, self.polytope.upper]).max())
-        if nowhere := self.readings.placed_nowhere(self._position_rows().offset, farthest):
+        if nowhere := self.readings.placed_nowhere(self._positions.offset, farthest):
             raise Inconsistent(f"at {self.readings.positions.time} s", nowhere)
-        of_positions = self._positions(Look.of_compasses(self.headings, self.readings))
+        of_positions = self._centred(self._positions, Look.of_compasses(self.headings, self.readings))
         rows = Constraints.concatenate([self.polytope.constraints, of_positions])
         return replace(self, polytope=self.polytope.with_constraints(rows))
 
@@ -222,7 +223,7 @@ class Merger(Frozen):
         rows = [self.polytope.constraints, of_bearings, self._on_robots(range_rows(ranges, arcs, numbers, self.spacing), look)]
         if self.readings.mountings is not None:  # where sensors are is known better now
             mounted = self.readings.mountings.spot[self.readings.positions.sensor] > 0
-            rows.append(self._positions(look).select(mounted))
+            rows.append(self._centred(self._positions, look).select(mounted))
         if known is not self.polytope:
             rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), look))
         merged = self.polytope.with_constraints(Constraints.concatenate(rows))
@@ -248,12 +249,10 @@ class Merger(Frozen):
     def _on_robots(self, rows: Constraints, look: Look) -> Constraints:
         return self._centred(on_robots(rows, self.polytope, self.landmarks), look)
 
-    def _position_rows(self) -> Constraints:
+    @cached_property
+    def _positions(self) -> Constraints:
         first, positions = len(self.readings.bearings.robot) + len(self.readings.ranges.robot), self.readings.positions
         return position_rows(positions, self.polytope, self.numbers[first : first + len(positions.robot)])
-
-    def _positions(self, look: Look) -> Constraints:
-        return self._centred(self._position_rows(), look)
 
     def _centred(self, rows: Constraints, look: Look) -> Constraints:
         """Return rows on the places of sensors, when they measured, as rows on where robots are now."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -15,14 +16,14 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources, in_order
 from filter.projection.fallback import Fallback
+from filter.records.names import InWords
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
-from filter.team import Team
 
 
 @dataclass(frozen=True)
-class Rejected:
+class Rejected(InWords):
     """A measurement that was dropped, as the filter's policy says, for measurements to agree again.
 
     Attributes:
@@ -33,12 +34,8 @@ class Rejected:
     source: Source
     conflict: tuple[Source, ...]
 
-    def __str__(self) -> str:
-        return f"rejected {self.source}; in conflict: {'; '.join(map(str, self.conflict))}"
-
-    def named(self, team: Team) -> str:
-        """Return it in words, with the names that a team has for robots, landmarks and sensors."""
-        return f"rejected {self.source.named(team)}; in conflict: {'; '.join(each.named(team) for each in self.conflict)}"
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        return f"rejected {words(self.source)}; in conflict: {'; '.join(map(words, self.conflict))}"
 
 
 Event = Rejected | Fallback

@@ -112,7 +112,7 @@ class SetMembershipFilter(Frozen):
         lower, upper = np.maximum(corners[:, 0], self.team.arena[0]), np.minimum(corners[:, 1], self.team.arena[1])
         outside = np.flatnonzero((lower > upper).any(axis=1))
         if len(outside):
-            raise InvalidInput("initial polygons that reach into the arena", f"{self.team.called(outside[0])} wholly outside")
+            raise InvalidInput("initial polygons that reach into the arena", f"{self.team.name(outside[0])} wholly outside")
         sources, numbers = Sources().extended("initial set", begin, np.arange(self.team.robots))
         j = np.repeat(numbers, [len(polygon.offsets) for polygon in polygons])
         normals, offsets = (np.concatenate([getattr(each, name) for each in polygons]) for name in ("normals", "offsets"))

@@ -8,14 +8,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from helpers.proved.forgeries import Forgeries, check_refused
 from helpers.proved.mounted import followed, moved_by
-from helpers.proved.runs import forge, moved
+from helpers.proved.runs import moved
 from helpers.sensing.mounted import MountedWorld, turned
 from helpers.worlds import unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from experiments import prove
 from experiments.following.checks import Checks
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.proof.edges import WORLD, plane
@@ -32,22 +32,12 @@ from filter import Frame, Position, Sensor, Team
 
 LOG = "log.jsonl"
 SENSORS = {"mast": {"position": [0.4, -0.3], "position_bound": 0.02}, "exact": {"position": [-0.2, 0.1]}}
-FORGED = {}
+forged = Forgeries()
 seeds = st.integers(0, 2**32 - 1)
 
 
 def silent(text):
     """Show nothing."""
-
-
-def forged(why, name=LOG):
-    """Enter a function that changes the records of a file of a run in place, with the reason of the refusal."""
-
-    def entered(change):
-        FORGED[change.__name__] = (name, change, why)
-        return change
-
-    return entered
 
 
 @pytest.fixture(scope="module")
@@ -152,15 +142,9 @@ def rows_before_headings_that_are_nearer(records):
                 row["offset"] = moved(row["offset"], -1e-6)
 
 
-@pytest.mark.parametrize("name", FORGED)
+@pytest.mark.parametrize("name", forged)
 def test_what_is_forged_is_refused(folder, tmp_path, name, capsys):
-    file, change, why = FORGED[name]
-    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
-    forge(copy, file, change)
-    assert prove.main([str(copy)]) == 1
-    told = capsys.readouterr().out
-    assert told.startswith("not proved: ")
-    assert why in told
+    check_refused(Path(shutil.copytree(folder, tmp_path / "copy")), forged[name], capsys)
 
 
 def exactly(*values):

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved.runs import forge, lines_of, moved, rewritten
+from helpers.proved.forgeries import Forgeries, check_refused
+from helpers.proved.runs import lines_of, moved, rewritten
 from helpers.proved.streams import NAMES, Team, as_it_comes, written
 
 from experiments import prove
@@ -13,18 +14,8 @@ from experiments.follow import main
 from experiments.prove import HEADINGS, LINES
 
 LOG = "log.jsonl"
-FORGED = {}
+forged = Forgeries()
 SMALLER, LATE = -1e-10, 3.0  # of what was cut and joined: far above its rounding [m]; [s]
-
-
-def forged(why, name=LOG):
-    """Enter a function that changes the records of a file in place, with the reason of the refusal."""
-
-    def entered(change):
-        FORGED[change.__name__] = (name, change, why)
-        return change
-
-    return entered
 
 
 def all_of(log, kind, **fields):
@@ -260,11 +251,6 @@ def test_the_folder_is_proved_as_it_is(copy):
     assert prove.main([str(copy)]) == 0
 
 
-@pytest.mark.parametrize("name", FORGED)
+@pytest.mark.parametrize("name", forged)
 def test_what_is_forged_is_refused(copy, name, capsys):
-    file, change, why = FORGED[name]
-    forge(copy, file, change)
-    assert prove.main([str(copy)]) == 1
-    told = capsys.readouterr().out
-    assert told.startswith("not proved: ")
-    assert why in told
+    check_refused(copy, forged[name], capsys)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved.runs import forge, lines_of, moved
+from helpers.proved.forgeries import Forgeries, check_refused
+from helpers.proved.runs import lines_of, moved
 from helpers.proved.streams import written
 
 from experiments import prove
@@ -77,7 +78,7 @@ def test_a_bearing_counts_though_no_end_of_what_is_left_is_its_own(tmp_path, cap
     assert "2 headings, from bearings, too" in capsys.readouterr().out
 
 
-FORGED = {}
+forged = Forgeries()
 CHAIN = [("a", "b"), ("b", "c")]  # who sees whom; the last one alone has a compass
 
 
@@ -110,16 +111,6 @@ def test_headings_that_mates_alone_tell_are_proved(folder, capsys):
     assert "3 headings, from odometry, compasses and mates" in capsys.readouterr().out
     (record,) = lines_of(folder, HEADINGS)
     assert [float.fromhex(bound) for bound in record["bound"]] == pytest.approx([0.1, 0.075, 0.05], abs=1e-9)
-
-
-def forged(why, name="log.jsonl"):
-    """Enter a function that changes the records of a file in place, with the reason of the refusal."""
-
-    def entered(change):
-        FORGED[change.__name__] = (name, change, why)
-        return change
-
-    return entered
 
 
 def first_of(log, kind):
@@ -211,15 +202,9 @@ def a_heading_that_is_narrower(records):
     records[0]["bound"][1] = moved(records[0]["bound"][1], -1e-9)
 
 
-@pytest.mark.parametrize("name", FORGED)
+@pytest.mark.parametrize("name", forged)
 def test_what_is_forged_is_refused(folder, tmp_path, name, capsys):
-    file, change, why = FORGED[name]
-    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
-    forge(copy, file, change)
-    assert prove.main([str(copy)]) == 1
-    told = capsys.readouterr().out
-    assert told.startswith("not proved: ")
-    assert why in told
+    check_refused(Path(shutil.copytree(folder, tmp_path / "copy")), forged[name], capsys)
 
 
 def test_version_1_has_no_such_record(tmp_path):

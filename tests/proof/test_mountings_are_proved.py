@@ -6,27 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.proved.forgeries import Forgeries, check_refused
 from helpers.proved.mounted import followed, moved_by
-from helpers.proved.runs import forge, moved
+from helpers.proved.runs import moved
 from helpers.sensing.mounted import MountedWorld
 
-from experiments import prove
 from experiments.prove import HEADINGS, LINES
 from experiments.prove import prove as links_of
 
 LOG = "log.jsonl"
 NARROW, WIDE = 0.02, 0.2  # sets in the beginning: of small ones nothing is found case by case [m]
-FORGED = {}
-
-
-def forged(why, name=LOG, wide=NARROW):
-    """Enter a function that changes the records of a file of a run in place, with the reason of the refusal."""
-
-    def entered(change):
-        FORGED[change.__name__] = (wide, name, change, why)
-        return change
-
-    return entered
+forged = Forgeries()
 
 
 def silent(text):
@@ -111,7 +101,7 @@ def tags_at_the_centres(log):
         record.pop("target_sensor", None)
 
 
-@forged("can be beyond what is claimed", wide=WIDE)
+@forged("can be beyond what is claimed", run=WIDE)
 def a_heading_that_is_wider(log):
     for record in all_of(log, "initial"):
         record["heading"]["bound"] += 1e-3
@@ -155,19 +145,14 @@ def headings_that_are_narrower(lines):
         line["bound"] = [moved(bound, -1e-9) for bound in line["bound"]]
 
 
-@forged("can be beyond what is claimed", HEADINGS, wide=WIDE)
+@forged("can be beyond what is claimed", HEADINGS, run=WIDE)
 def cells_that_are_smaller(lines):
     for line in (line for record in lines for line in record["lines"]):
         for claim in line.get("claims", ()):
             claim["offset"] = moved(claim["offset"], -1e-3)
 
 
-@pytest.mark.parametrize("name", FORGED)
+@pytest.mark.parametrize("name", forged)
 def test_what_is_forged_is_refused(folders, tmp_path, name, capsys):
-    wide, file, change, why = FORGED[name]
-    copy = Path(shutil.copytree(folders[wide], tmp_path / "copy"))
-    forge(copy, file, change)
-    assert prove.main([str(copy)]) == 1
-    told = capsys.readouterr().out
-    assert told.startswith("not proved: ")
-    assert why in told
+    copy = Path(shutil.copytree(folders[forged[name].run or NARROW], tmp_path / "copy"))
+    check_refused(copy, forged[name], capsys)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.proved.runs import forge, lines_of, moved, rewritten
+from helpers.proved.forgeries import Forgeries, check_refused
+from helpers.proved.runs import lines_of, moved, rewritten
 from helpers.proved.streams import BACK, JOINED, LEFT, PUT, Team, as_it_comes, coming_and_going, in_step, written
 
 from experiments import prove
@@ -18,17 +19,7 @@ from experiments.prove import LINES, REGIONS
 from experiments.prove import prove as links_of
 
 LOG, TUM = "log.jsonl", "trajectories/bob_filter.tum"
-FORGED = {}
-
-
-def forged(why, name=LOG):
-    """Enter a function that changes the records of a file in place, with the reason of the refusal."""
-
-    def entered(change):
-        FORGED[change.__name__] = (name, change, why)
-        return change
-
-    return entered
+forged = Forgeries()
 
 
 def change_of(log, robot):
@@ -204,12 +195,9 @@ def what_was_known_before(lines):
     line["sources"].append({"kind": "region", "t": edge["t"], "robot": 0, "target": None})
 
 
-@pytest.mark.parametrize("name", FORGED)
+@pytest.mark.parametrize("name", forged)
 def test_what_is_forged_is_refused(copy, name, capsys):
-    file, change, why = FORGED[name]
-    forge(copy, file, change)
-    assert prove.main([str(copy)]) == 1
-    assert why in capsys.readouterr().out
+    check_refused(copy, forged[name], capsys)
 
 
 def test_a_pose_of_one_that_is_away_is_refused(copy, capsys):

@@ -63,7 +63,7 @@ SEEN = Source("sighting", 2.0, 1, 4)
         ),
         (
             Distrusted(3.0, "identity", "landmark", 4, True, 1.0, (0,)),
-            "identity of landmark 4 put aside at 3.000 s: sightings by robots 0 contradict regions since 1.000 s",
+            "identity of landmark 4 put aside at 3.000 s: sightings by robot 0 contradict regions since 1.000 s",
         ),
         (Distrusted(3.0, "camera", "robot", 2, False, np.inf, ()), "camera of robot 2 trusted again at 3.000 s"),
     ],

@@ -87,7 +87,7 @@ class InitialSets:
         record.expect("initial")
         robot = record.robot(self._robots)
         if robot in self._found:
-            raise InvalidInput("one initial set a robot", f"{self._header.team.called(robot)} again")
+            raise InvalidInput("one initial set a robot", f"{self._header.team.name(robot)} again")
         self._found[robot] = read_set(record)
         record.end()
         return True

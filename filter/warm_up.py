@@ -69,7 +69,7 @@ def _together(filter_: SetMembershipFilter) -> None:
     motions = Motions(filter_.team)
     for frame in frames:
         motions = motions.merged(frame.odometry) if frame.odometry else motions
-    motions.between(DURATION / 2, 2 * DURATION)
+    motions.since(DURATION).between(DURATION / 2, 2 * DURATION)
 
 
 def _mate(time: float) -> RelativeHeading:

@@ -128,7 +128,8 @@ class Readings(NamedTuple):
         _, first, which, count = np.unique(key[some], return_index=True, return_inverse=True, return_counts=True)
         order, end = some[np.argsort(which, kind="stable")], np.cumsum(count)
         box = np.full((len(count), 2), 2 * (farthest + arm) + 1)
-        empty = clip_boxes(record.normals[order], offset[order], (end - count, end), -box, box).empty
+        normals, offsets = map(read_only, (record.normals[order], offset[order]))  # no other form is compiled
+        empty = clip_boxes(normals, offsets, (end - count, end), -box, box).empty
         whose = some[first[empty]]
         table, _ = Sources().extended("position", times[whose], record.robot[whose], NOBODY, record.sensor[whose])
         return [table[k] for k in range(len(table))]

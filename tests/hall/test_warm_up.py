@@ -13,8 +13,9 @@ AFTERWARDS = """
 import sys
 sys.path.insert(0, "tests")
 import numpy as np
-from filter import Inconsistent, Range, RobustFilter, SetMembershipFilter, Window, warm_up
+from filter import FixedLag, Inconsistent, Range, RobustFilter, SetMembershipFilter, Window, follow, frames_of, warm_up
 from filter.compiled import MADE
+from helpers.drawn.streams import RandomStream
 from helpers.worlds import World
 
 warm_up()
@@ -49,6 +50,15 @@ for seed, (robots, landmarks, compasses) in enumerate(SCENES):
             except Inconsistent:
                 belief = filter_.update(filter_.predict(belief, motion.time))
             look(belief, world)
+for seed in range(4):  # streams with positions, mounted sensors and clocks, at once and in time
+    stream = RandomStream(np.random.default_rng(seed))
+    for filter_ in (SetMembershipFilter(stream.team), SetMembershipFilter.light(stream.team)):
+        belief, every = filter_.start(0.0, stream.start, stream.headings), 0.3 * (seed % 2)
+        list(follow(filter_, belief, frames_of(stream.team, 0.0, stream.arrivals(), hold=stream.hold), every=every))
+        lag = FixedLag(filter_, lag=5.0, every=every)
+        known = lag.begin(belief)
+        for arrival in sorted(stream.arrivals(), key=lambda each: each.time):
+            known = lag.merge(known, [arrival])
 print(sorted(f"{each.py_func.__module__}.{each.__name__}" for each in MADE if set(each.signatures) != before[each]))
 """
 

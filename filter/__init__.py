@@ -4,7 +4,7 @@ Everything that a user names is here: `from filter import SetMembershipFilter, T
 notice.
 
 Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, joined, motions,
-guarantee, linear/, sensing/, projection/, sets/, robust/, stream, follow, lag, ekf, watch, warm_up.
+guarantee, linear/, sensing/, poses/, projection/, sets/, robust/, stream, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
@@ -18,6 +18,7 @@ from filter.guarantee import Guarantee
 from filter.lag import FixedLag, Lagged, Mistimed
 from filter.linear.sources import Source
 from filter.motions import Motions
+from filter.poses.cells import ByCases
 from filter.projection.fallback import Fallback
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
@@ -34,9 +35,8 @@ from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
-from filter.sensing.cells import ByCases
-from filter.sensing.passes import Directions
 from filter.sets.belief import Belief, Event, Rejected
+from filter.sets.passes import Directions
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter

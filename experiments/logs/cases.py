@@ -9,8 +9,8 @@ import numpy as np
 
 from experiments.logs.exactly import hexadecimal, row_record, source_record
 from filter import ByCases, Source
-from filter.sensing.branch import FEW_EDGES
-from filter.sensing.cells import START_EDGES, few_rows
+from filter.poses.branch import FEW_EDGES
+from filter.poses.cells import START_EDGES, few_rows
 from filter.sensing.readings import Readings
 
 

@@ -19,10 +19,10 @@ from filter.projection.fallback import project_all
 from filter.projection.proved import NOTHING, Projection, position
 from filter.projection.stop import Stop
 from filter.sensing.motion import Displacements, displacements
-from filter.sensing.passes import Merger
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sets.belief import Belief
+from filter.sets.passes import Merger
 from filter.team import Team
 
 # A displacement set is round where robots slip; so many half-planes stand for it, beside those of its straight edges.

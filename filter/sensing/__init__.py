@@ -1,5 +1,4 @@
 """From records to constraints: what sensors say of positions and headings, and how far robots can have moved.
 
-Read the modules in this order: motion, since, readings, ties, headings, arms, rows, cone, cell, split, branch, cells, looks,
-passes.
+Read the modules in this order: motion, since, readings, ties, headings, arms, rows, looks.
 """

@@ -12,9 +12,9 @@ from filter.arrays import Array, Frozen, Integers
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
+from filter.poses.cells import ByCases
 from filter.projection.claims import Outlines, Weights
-from filter.sensing.cells import ByCases
-from filter.sensing.passes import Directions
+from filter.sets.passes import Directions
 
 Line = tuple[int, int, Array]  # robots i (or WORLD) and j, and a normal (2,)
 Bounded = Literal["regions", "boxes", "pairs", "sides"]

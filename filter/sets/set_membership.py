@@ -17,6 +17,7 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
+from filter.poses.cells import ByCases
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
@@ -24,15 +25,14 @@ from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.odometry import Odometry
 from filter.records.presence import Change, Left
-from filter.sensing.cells import ByCases
 from filter.sensing.headings import looks_at_a_glance
 from filter.sensing.motion import Displacements, displacements, turned_headings
-from filter.sensing.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sensing.readings import Readings
 from filter.sensing.rows import TANGENT_SPACING
 from filter.sensing.since import Moves, Since
 from filter.sets.belief import Belief, Event, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
+from filter.sets.passes import NO_ROBOTS, Merger, are_smaller, matter
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
 from filter.sets.rejection import agreeing
@@ -65,7 +65,7 @@ class SetMembershipFilter(Frozen):
         tangent_spacing: Greatest angle between the tangents that replace the far side of a range, in [0.01, pi/2] [rad];
             a smaller one means smaller regions and more rows.
         cells: Into how many a robot's poses are split at most, where directions or headings are wide for what was measured of
-            them (see `filter.sensing.cells`); with 0 an update is one pass.
+            them (see `filter.poses.cells`); with 0 an update is one pass.
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.

@@ -19,8 +19,8 @@ from filter.projection.search import project
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window, links, program_of
-from filter.sensing.passes import Merger
 from filter.sensing.readings import Readings
+from filter.sets.passes import Merger
 from filter.sets.proof import Proof
 from filter.sets.set_membership import SetMembershipFilter
 

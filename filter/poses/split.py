@@ -5,8 +5,8 @@ import numpy as np
 from filter.arrays import Array
 from filter.compiled import bounds_of, compiled, sum_of
 from filter.geometry.angles import intersection
-from filter.sensing.cell import Line, Pose, Said, Scale, nearest_of
-from filter.sensing.cone import directions, wrapped
+from filter.poses.cell import Line, Pose, Said, Scale, nearest_of
+from filter.poses.cone import directions, wrapped
 
 WORTH_A_SLICE = 2  # bearings by a robot itself, from which on it is worth to split its heading
 FINEST_BEARING = 1e-3  # a heading is not split for bearings that are finer than this [rad]

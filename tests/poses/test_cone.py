@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from filter.geometry.angles import wrap
 from filter.geometry.polygon import Polygon
-from filter.sensing.cone import directions
+from filter.poses.cone import directions
 
 seeds = st.integers(0, 2**32 - 1)
 CORNERS = {"hexagon": 6, "segment": 2, "point": 1}

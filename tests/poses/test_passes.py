@@ -15,12 +15,12 @@ from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
+from filter.poses.cells import ByCases
 from filter.records.record import field_names
-from filter.sensing.cells import ByCases
-from filter.sensing.passes import Directions, are_smaller, boxed_at_a_glance, matter
 from filter.sensing.readings import Readings
 from filter.sensing.rows import WIDENING
 from filter.sets.belief import Belief
+from filter.sets.passes import Directions, are_smaller, boxed_at_a_glance, matter
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.episode import episode

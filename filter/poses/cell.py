@@ -18,7 +18,7 @@ from filter.compiled import compiled
 from filter.geometry.angles import intersection
 from filter.geometry.convex import EPSILON, area_of
 from filter.geometry.sector import far_and_near, sides
-from filter.sensing.cone import directions, wrapped
+from filter.poses.cone import directions, wrapped
 from filter.sensing.rows import WIDENING
 
 CELL_CORNERS = 64  # of a cell at most: a half-plane that would make more is left out

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.sensing.cells import ByCases, Places, Told, by_cases
+from filter.poses.cells import ByCases, Places, Told, by_cases
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

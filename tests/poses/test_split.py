@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from filter.geometry.angles import wrap
 from filter.geometry.polygon import Polygon
-from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut
-from filter.sensing.cone import directions
-from filter.sensing.split import OFF_THE_EDGE, where_to_split
+from filter.poses.cell import CELL_CORNERS, Said, Scale, cut
+from filter.poses.cone import directions
+from filter.poses.split import OFF_THE_EDGE, where_to_split
 
 seeds = st.integers(0, 2**32 - 1)
 SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])

@@ -17,14 +17,14 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
+from filter.poses.cells import ByCases, Places, Told, by_cases
+from filter.poses.split import WORTH_A_SLICE
 from filter.sensing.arms import Arms
-from filter.sensing.cells import ByCases, Places, Told, by_cases
 from filter.sensing.headings import narrowed_headings
 from filter.sensing.looks import Look, narrowed_by_bearings
 from filter.sensing.readings import BEARINGS, RANGES, Readings
 from filter.sensing.rows import as_of_now, bearing_rows, on_robots, position_rows, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
-from filter.sensing.split import WORTH_A_SLICE
 
 PASSES = 8  # at most; more than three are seldom worth it
 GAIN = 0.98  # another pass is worth it if something becomes smaller by this factor

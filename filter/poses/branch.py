@@ -10,10 +10,10 @@ from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, hull_of, largest_of
 from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.polytope import APART
-from filter.sensing.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
-from filter.sensing.cone import wrapped
+from filter.poses.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
+from filter.poses.cone import wrapped
+from filter.poses.split import where_to_split
 from filter.sensing.rows import WIDENING
-from filter.sensing.split import where_to_split
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
 HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, at most

@@ -12,9 +12,9 @@ from filter.geometry.many import Polygons, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.sources import Sources
+from filter.poses.branch import FEW_EDGES, Tree, branch
+from filter.poses.cell import Said
 from filter.sensing.arms import Arms
-from filter.sensing.branch import FEW_EDGES, Tree, branch
-from filter.sensing.cell import Said
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
 

@@ -11,8 +11,8 @@ from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
-from filter.sensing.cell import CELL_CORNERS, Scale, cut
-from filter.sensing.cells import Places, Told, as_sets, by_cases
+from filter.poses.cell import CELL_CORNERS, Scale, cut
+from filter.poses.cells import Places, Told, as_sets, by_cases
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team

@@ -85,7 +85,7 @@ class History:
         readings = Readings.of(before.time, step.frame.measurements)
         sources, numbers = readings.numbered(before.sources, team.robots)
         parts = before.polytope, before.headings, readings, sources, numbers, team.landmarks, self.tangent_spacing
-        rows = Merger(*parts, cells=0).merged().polytope.constraints
+        rows = Merger(*parts).merged().polytope.constraints
         return rows.select(rows.source >= len(before.sources))
 
 

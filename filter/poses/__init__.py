@@ -1,4 +1,4 @@
-"""Sets of poses of one robot, position and heading together: cells that are split, cut by what was measured, and dropped.
+"""Sets of poses of one robot, position and heading together: slices that are taken along, split into cells, cut, and dropped.
 
-Read the modules in this order: cone, cell, split, branch, cells.
+Read the modules in this order: cone, cell, slices, split, branch, cells.
 """

@@ -12,6 +12,7 @@ from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.polytope import APART
 from filter.poses.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
 from filter.poses.cone import wrapped
+from filter.poses.slices import COUNT, DIRECTIONS, Leaves
 from filter.poses.split import where_to_split
 from filter.sensing.rows import WIDENING
 
@@ -20,22 +21,50 @@ HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, 
 
 
 class Tree(NamedTuple):
-    """How a set of poses was split into c cells at most, to do it again; filled by `branch`, from the root 0 on.
+    """How sets of poses were split into c cells at most, to do it again; filled by `branch`, from the roots 0 to r - 1 on.
 
     Attributes:
         line: (2 c, 3) along which each piece was split (see `where_to_split`).
         child: (2 c,) the first of its two pieces, 0 where it was not.
         rounds: (2 c,) in which each piece was cut.
+        root: (c,) from which root each leaf is, what is left in the end; -1 where there are fewer leaves.
+        arcs: (c, 2) of leaves, centre and bound [rad].
+        reach: (c, COUNT) supports of leaves [m].
     """
 
     line: Array
     child: Integers
     rounds: Integers
+    root: Integers
+    arcs: Array
+    reach: Array
 
     @classmethod
     def blank(cls, cells: int) -> "Tree":
         """Return one to be filled."""
-        return cls(np.zeros((2 * cells, 3)), np.zeros(2 * cells, dtype=np.int64), np.zeros(2 * cells, dtype=np.int64))
+        child, rounds = np.zeros((2, 2 * cells), dtype=np.int64)
+        leaves = np.full(cells, -1), np.zeros((cells, 2)), np.zeros((cells, COUNT))
+        return cls(np.zeros((2 * cells, 3)), child, rounds, *leaves)
+
+    @property
+    def leaves(self) -> Leaves:
+        """Roots, arcs and supports of the leaves that there are."""
+        count = int((self.root >= 0).sum())
+        return self.root[:count], self.arcs[:count], self.reach[:count]
+
+
+class Roots(NamedTuple):
+    """The sets of poses that are split, one of which holds the robot's.
+
+    Attributes:
+        corners: (v, 2) of their polygons, one after the other, or no farther than a margin beyond these [m].
+        first: (r + 1,) where those of each begin; one without corners is empty.
+        heading: (r, 2) their arcs, centre and bound [rad].
+    """
+
+    corners: Array
+    first: Integers
+    heading: Array
 
 
 class Pieces(NamedTuple):
@@ -43,6 +72,7 @@ class Pieces(NamedTuple):
 
     Attributes:
         tree: In which they are.
+        root: (c,) from which root each is.
         corners: (c, CELL_CORNERS, 2) of each.
         size: (c,) how many it has.
         heading: (c, 2) its arc, centre and bound [rad].
@@ -52,6 +82,7 @@ class Pieces(NamedTuple):
     """
 
     tree: Tree
+    root: Integers
     corners: Array
     size: Integers
     heading: Array
@@ -61,20 +92,19 @@ class Pieces(NamedTuple):
 
 
 @compiled
-def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) -> Array:
+def branch(roots: Roots, heading: Array, said: Said, margin: float, tree: Tree) -> Array:
     """Return half-planes (k, 4) around all places that a robot can have; none if it is proved to have none.
 
-    They are normal and offset, and whether they are among the few that are enough for others, 1 or 0.
-
-    It is in a polygon (v, 2), or no farther than a margin beyond it [m], with a heading in an arc (2,), centre and bound [rad],
-    which is narrowed in place.
+    They are normal and offset, and whether they are among the few that are enough for others, 1 or 0. The arc (2,) of its
+    heading is narrowed in place.
     """
-    largest = max(largest_of(start), largest_of(said.points))
+    largest = max(largest_of(roots.corners), largest_of(said.points))
     most = len(tree.child) // 2
     rounding = 8 * EPSILON * largest * most * cuts_at_most(said)  # each cut makes vertices from those that one before has made
     scale = Scale(largest, margin + rounding, np.empty((CELL_CORNERS + 2, 2)))
     left = Pieces(
         tree,
+        np.zeros(most, dtype=np.int64),
         np.empty((most, CELL_CORNERS, 2)),
         np.zeros(most, dtype=np.int64),
         np.empty((most, 2)),
@@ -82,12 +112,9 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
         np.zeros(most, dtype=np.int64),
         np.zeros(1, dtype=np.int64),
     )
-    for m in range(len(start)):
-        put(start[m], left.corners[0, m])
-    put(heading, left.heading[0])
-    _prune(left, left.alive[0], len(start), said, scale)  # which is 0: for a literal one, it would be compiled again
-    left.alive[0] = int(left.size[0] > 0)
-    for nodes in range(1, len(tree.child) - 1, 2):
+    for root in range(len(roots.heading)):
+        _plant(left, root, roots, said, scale)
+    for nodes in range(len(roots.heading), len(tree.child) - 1, 2):
         if not 0 < left.alive[0] < most:
             break
         k = place_of_least(-left.split[: left.alive[0], 0])
@@ -98,7 +125,37 @@ def branch(start: Array, heading: Array, said: Said, margin: float, tree: Tree) 
         tree.child[left.node[k]] = nodes
         _split(left, k, nodes, said, scale)
     _hull_of_arcs(heading, left.heading[: left.alive[0]])
+    _gather(left, scale.margin)
     return _outline(left, scale.margin)
+
+
+@compiled
+def _plant(left: Pieces, root: int, roots: Roots, said: Said, scale: Scale) -> None:
+    """Cut one of the sets that are to be split, and keep what is left of it."""
+    k, begin, size = left.alive[0], roots.first[root], roots.first[root + 1] - roots.first[root]
+    left.root[k], left.node[k] = root, root
+    for m in range(size):
+        put(roots.corners[begin + m], left.corners[k, m])
+    put(roots.heading[root], left.heading[k])
+    _prune(left, k, size, said, scale)
+    left.alive[0] += int(left.size[k] > 0)
+
+
+@compiled
+def _gather(left: Pieces, margin: float) -> None:
+    """Write what is left in each cell into the tree, as outward as the outline around all of them."""
+    root, arcs, reach = left.tree.root, left.tree.arcs, left.tree.reach
+    for k in range(left.alive[0]):
+        root[k] = left.root[k]
+        corners = left.corners[k, : left.size[k]]
+        (west, east), (south, north) = bounds_of(corners[:, 0]), bounds_of(corners[:, 1])
+        outward = 2 * margin + APART * ((east - west) + (north - south))
+        arcs[k, 0], arcs[k, 1] = left.heading[k, 0], min(np.pi, left.heading[k, 1] + WIDENING)
+        for m in range(COUNT):
+            reach[k, m] = -np.inf
+            for v in range(len(corners)):
+                reach[k, m] = max(reach[k, m], DIRECTIONS[m, 0] * corners[v, 0] + DIRECTIONS[m, 1] * corners[v, 1])
+            reach[k, m] += outward
 
 
 @compiled
@@ -118,7 +175,7 @@ def _split(left: Pieces, k: int, node: int, said: Said, scale: Scale) -> None:
     """Put two pieces in the place of one, and cut both; those of which nothing is left are gone."""
     (_, x, y, offset), last = left.split[k], left.alive[0]
     _copy(left, k, last)
-    left.node[k], left.node[last] = node, node + 1
+    left.root[last], left.node[k], left.node[last] = left.root[k], node, node + 1
     left.alive[0] += 1
     for piece, side in ((last, -1.0), (k, 1.0)):  # the one that another may take the place of comes last
         size, arc = left.size[piece], left.heading[piece]
@@ -140,7 +197,7 @@ def _copy(left: Pieces, k: int, to: int) -> None:
     left.heading[to, 0], left.heading[to, 1] = left.heading[k, 0], left.heading[k, 1]
     for m in range(4):
         left.split[to, m] = left.split[k, m]
-    left.size[to], left.node[to] = left.size[k], left.node[k]
+    left.size[to], left.node[to], left.root[to] = left.size[k], left.node[k], left.root[k]
 
 
 @compiled

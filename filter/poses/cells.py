@@ -12,13 +12,15 @@ from filter.geometry.many import Polygons, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.sources import Sources
-from filter.poses.branch import FEW_EDGES, Tree, branch
+from filter.poses.branch import FEW_EDGES, Roots, Tree, branch
 from filter.poses.cell import Said
+from filter.poses.slices import COUNT, DIRECTIONS, NARROW, Slices, regrouped
 from filter.sensing.arms import Arms
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
 
 FINEST_TANGENTS = np.pi / 12  # apart; so cells, which have few corners, have room for what matters [rad]
+NO_SLICES = np.zeros((0, 2 + COUNT))
 START_EDGES = 24  # so many rows on a robot are what its poses are cut from, at most
 
 
@@ -96,20 +98,37 @@ class Places:
 
     Attributes:
         known: From which this is known.
-        starts: What the poses of each robot are cut from, corners (p, 2) of polygons by robots [m].
+        told: What robots are told of them.
+        starts: What the poses of each robot are cut from, polygons by robots [m].
         bodies: Corners (p, 2) of the sets that robots and landmarks are for others, by bodies [m].
         margin: How far sets can reach beyond the hulls of their corners [m].
     """
 
     def __init__(self, known: Polytope, told: Told, robots: Integers, landmarks: Array) -> None:
         """Begin with what is known of some robots (k,), and of those of which they are told."""
-        self.known, targets = known, np.unique(told.target[np.isin(told.robot, robots)])
+        self.known, self.told, targets = known, told, np.unique(told.target[np.isin(told.robot, robots)])
         mates = targets[targets < len(known.lower)]
         starts, others = as_sets(known, robots, START_EDGES), as_sets(known, mates, FEW_EDGES)
-        self.starts = dict(zip(robots.tolist(), starts.corners(), strict=True))
+        self.starts = dict(zip(robots.tolist(), starts, strict=True))
         self.bodies = dict(zip(mates.tolist(), others.corners(), strict=True))
         self.bodies |= dict(enumerate(landmarks[:, None], len(known.lower)))
         self.margin = float(max(starts.margin.max(initial=0), others.margin.max(initial=0)))
+
+    def roots(self, robot: int, heading: AngularIntervals, slices: Slices) -> Roots:
+        """Return the sets of poses of a robot with an arc of headings (1): its polygon, cut by its slices if it has any."""
+        start, count = self.starts[robot], len(slices)
+        if not count:
+            return Roots(start.vertices, np.array([0, len(start.vertices)]), np.stack([heading.centre, heading.bound], axis=1))
+        lines, each = len(start.offsets) + COUNT, np.zeros(count, dtype=np.int64)
+        normals = np.tile(np.concatenate([start.normals, DIRECTIONS]), (count, 1))
+        offsets = np.concatenate([np.tile(start.offsets, (count, 1)), slices.reach], axis=1).ravel()
+        ends, whose = lines * np.arange(1, count + 1), each + robot
+        box = self.known.lower[whose], self.known.upper[whose]
+        clipped, arcs = clip_boxes(read_only(normals), read_only(offsets), (ends - lines, ends), *box), slices.arcs
+        arcs, found = arcs.intersection(heading[each]), clipped.polygons
+        some, self.margin = ~(clipped.empty | arcs.empty), max(self.margin, float(found.margin.max()))
+        corners, first = found.vertices[some[found.owner]], np.cumsum([0, *np.where(some, found.counts, 0)])
+        return Roots(corners, first, np.stack([arcs.centre, arcs.bound], axis=1))
 
     def take(self, case: "ByCases") -> None:
         """Take over where a robot was found to be."""
@@ -133,6 +152,8 @@ class ByCases(Frozen):
         tree: How they were split.
         rows: (k, 4) normals and offsets [m], and whether they are among the few that are enough for others.
         heading: (2,) centre and bound of what is left of its heading [rad].
+        roots: Its slices before, from which the tree begins; none where it begins from all that is known.
+        slices: (g, 2 + COUNT) what its slices are then (see `regrouped`); none where it is to have none.
     """
 
     known: Polytope
@@ -143,6 +164,8 @@ class ByCases(Frozen):
     tree: Tree
     rows: Array
     heading: Array
+    roots: Slices
+    slices: Array
 
     @property
     def few(self) -> Array:
@@ -156,19 +179,41 @@ class ByCases(Frozen):
         return Constraints(*who, self.rows[:, :2].copy(), self.rows[:, 2].copy(), np.full(count, source))
 
 
-def by_cases(places: Places, sources: Sources, told: Told, robot: int, cells: int) -> ByCases | None:
-    """Return what so many cells leave of one robot's poses, from where bodies can be; None if that is proved to be nothing."""
-    start, said = places.starts[robot], told.said(robot, places.bodies)
-    origin = (start.min(axis=0) + start.max(axis=0)) / 2
-    far = np.abs(origin).max() + max(np.abs(start).max(), np.abs(said.points).max())
-    heading, tree = np.array([told.headings.centre[robot], told.headings.bound[robot]]), Tree.blank(cells)
+@dataclass(frozen=True)
+class Most:
+    """Into how many parts the poses of one robot are cut at most.
+
+    Attributes:
+        cells: In an update.
+        slices: That are taken along.
+    """
+
+    cells: int
+    slices: int
+
+
+def by_cases(places: Places, sources: Sources, robot: int, slices: Slices, most: Most) -> ByCases | None:
+    """Return what is left of one robot's poses, from its slices before, and where bodies can be; None if that is nothing."""
+    told = places.told
+    looks = told.headings[np.array([robot])]
+    roots, said = places.roots(robot, looks, slices), told.said(robot, places.bodies)
+    if not len(roots.corners):
+        return None
+    west, east = roots.corners.min(axis=0), roots.corners.max(axis=0)
+    origin = (west + east) / 2
+    far = np.abs(origin).max() + max(np.abs(west).max(), np.abs(east).max(), np.abs(said.points).max())
+    heading, tree, slack = np.stack([looks.centre, looks.bound])[:, 0], Tree.blank(most.cells), 8 * EPSILON * far
     moved = said._replace(points=said.points - origin)
-    rows = branch(start - origin, heading, moved, places.margin + 8 * EPSILON * far, tree)
+    rows = branch(roots._replace(corners=roots.corners - origin), heading, moved, places.margin + slack, tree)
     if not len(rows):
         return None
-    rows[:, 2] += rows[:, :2] @ origin + 8 * EPSILON * far
+    rows[:, 2] += rows[:, :2] @ origin + slack
     tree.line[:, 2] += tree.line[:, :2] @ origin
-    return ByCases(places.known, sources, told.headings, robot, told.spacing, Tree(*map(read_only, tree)), rows, heading)
+    tree.reach[:] += DIRECTIONS @ origin + slack
+    budget = min(most.slices, most.cells // 2)
+    kept = regrouped(heading, tree.leaves, len(roots.heading), budget) if budget and heading[1] > NARROW else NO_SLICES
+    of_it = tuple(map(read_only, tree))
+    return ByCases(places.known, sources, told.headings, robot, told.spacing, Tree(*of_it), rows, heading, slices, kept)
 
 
 def few_rows(known: Polytope, robots: Integers, edges: int) -> Constraints:

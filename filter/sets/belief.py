@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +15,7 @@ from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources, in_order
+from filter.poses.slices import Slices
 from filter.projection.fallback import Fallback
 from filter.records.names import InWords
 from filter.records.odometry import Odometry
@@ -70,6 +71,7 @@ class Belief:
             were projected, as of the last update; before them what was proved case by case, and what directions were read
             from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
+        slices: The poses of robots whose headings are wide, position and heading together.
     """
 
     time: float
@@ -81,6 +83,7 @@ class Belief:
     events: tuple[Event, ...] = ()
     proofs: tuple[Evidence, ...] = ()
     moved: Moved | None = None
+    slices: Slices = field(default_factory=Slices.none)
 
     @cached_property
     def regions(self) -> Regions:
@@ -107,15 +110,16 @@ class Belief:
         lower, upper, origin = self.polytope.lower.copy(), self.polytope.upper.copy(), self.polytope.origin.copy()
         lower[robot], upper[robot], origin[robot] = mine.lower[0], mine.upper[0], number[0]
         rows = Constraints.concatenate([self.constraints.select(of_others), own])
-        headings = self.headings.replaced(np.array([robot]), alone.headings)
-        here = self.guarantee.with_again(robot)
-        return Belief(self.time, Polytope(rows, lower, upper, origin), headings, table, here).compact()
+        headings, slices = self.headings.replaced(np.array([robot]), alone.headings), self.slices.without(np.array([robot]))
+        here, polytope = self.guarantee.with_again(robot), Polytope(rows, lower, upper, origin)
+        return Belief(self.time, polytope, headings, table, here, slices=slices).compact()
 
     def without_robot(self, robot: int) -> Belief:
         """Return what is known if one robot is away: what tied others to it is gone."""
         tied = (self.constraints.i == robot) | ((self.constraints.i != WORLD) & (self.constraints.j == robot))
         polytope = self.polytope.with_constraints(self.constraints.select(~tied))
-        return Belief(self.time, polytope, self.headings, self.sources, self.guarantee.without(robot)).compact()
+        slices = self.slices.without(np.array([robot]))
+        return Belief(self.time, polytope, self.headings, self.sources, self.guarantee.without(robot), slices=slices).compact()
 
     @property
     def constraints(self) -> Constraints:

@@ -150,7 +150,10 @@ class Premises:
         headings, polytope = self.before.headings, Polytope(rows, lower, upper, self.before.polytope.origin)
         arcs = AngularIntervals(headings.centre, np.where(of["heading"] & turned, headings.bound, np.pi))
         dropped = {part.reading for part in self.parts if part.reading is not None and part not in held}
-        return replace(self.before, polytope=polytope, headings=arcs), self.motion, limits, without(self.measurements, dropped)
+        at_home = of["arena"] | ~np.isfinite(self.team.arena).any()
+        both = np.flatnonzero(~(placed & of["heading"] & turned & at_home))  # are not known together
+        before = replace(self.before, polytope=polytope, headings=arcs, slices=self.before.slices.without(both))
+        return before, self.motion, limits, without(self.measurements, dropped)
 
     def _boxes(self, placed: Mask, inside: Mask) -> tuple[Array, Array, Array]:
         """Return corners (n, 2) and (n, 2) of boxes before the motion, and each robot's own arena (2, n, 2) after it.

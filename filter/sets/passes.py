@@ -17,7 +17,8 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
-from filter.poses.cells import ByCases, Places, Told, by_cases
+from filter.poses.cells import ByCases, Most, Places, Told, by_cases
+from filter.poses.slices import NARROW, Slices
 from filter.poses.split import WORTH_A_SLICE
 from filter.sensing.arms import Arms
 from filter.sensing.headings import narrowed_headings
@@ -40,6 +41,7 @@ NEW, SOON, SOON_HEADING = 0.7, 0.03, 0.1
 # They and another round are worth it for this share of all robots, by number or area, and while regions become smaller by it.
 WORTH_IT = 0.03
 SMALLEST_BAND = 1e-12  # what is divided by is never smaller [m]
+ONE_PASS = Most(0, 0)
 NO_ROBOTS = np.zeros(0, dtype=np.int64)
 
 
@@ -79,10 +81,12 @@ class Merged(Frozen):
         headings: (n) the robots' headings [rad].
         evidence: What was found in cells, and then what each pass that counts has read directions from.
         wide: (c,) robots that are worth cells. They were found in cells, if the readings are of one instant and time was left.
+        slices: Of the poses of robots whose headings are wide.
     """
 
     polytope: Polytope
     headings: AngularIntervals
+    slices: Slices
     evidence: tuple[ByCases | Directions, ...]
     wide: Integers
 
@@ -99,7 +103,8 @@ class Merger(Frozen):
         numbers: (b + r + p + n,) bearings, ranges, positions and robots' cells.
         landmarks: (l, 2) [m].
         spacing: Greatest angle between two tangents of a range's far side [rad].
-        cells: Into how many a robot's poses are split at most; 0 for never, and for one pass.
+        most: Into how many parts a robot's poses are cut at most; with no cells never, and in one pass.
+        slices: Of the poses of robots before.
         again: (c,) robots that were found in cells before, from the same readings.
     """
 
@@ -110,7 +115,8 @@ class Merger(Frozen):
     numbers: Integers
     landmarks: Array
     spacing: float
-    cells: int
+    most: Most = ONE_PASS
+    slices: Slices = field(default_factory=Slices.none)
     again: Integers = field(default_factory=lambda: NO_ROBOTS)
 
     def merged(self, is_over: Callable[[], bool] = lambda: False) -> Merged:
@@ -119,14 +125,30 @@ class Merger(Frozen):
         Raises `Inconsistent` if what is known and measured of a heading, or of one robot's pose, is proved to have nothing in
         common.
         """
-        start = self._placed()
+        placed = self._placed()
+        sliced = placed._sliced()
+        start, cases = placed._in_cells(sliced, is_over) if len(sliced) else (placed, [])
         merged, passes = start._settled(is_over)
-        wide = start._wide(merged, passes[-1]) if self.cells else NO_ROBOTS
-        if self.readings.since is not None or not len(wide) or is_over():
-            return Merged(merged, passes[-1].headings, tuple(passes), wide)
-        fewer, cases = start._in_cells(wide, is_over)
-        merged, passes = fewer._settled(is_over)
-        return Merged(merged, passes[-1].headings, (*cases, *passes), wide)
+        wide = placed._wide(merged, passes[-1], sliced) if self.most.cells else NO_ROBOTS
+        others = np.setdiff1d(wide, sliced)
+        if self.readings.since is None and len(others) and not is_over():
+            start, more = start._in_cells(others, is_over)
+            merged, passes = start._settled(is_over)
+            cases += more
+        headings = passes[-1].headings
+        slices = start.slices.select(headings.bound[start.slices.robot] > NARROW) if len(start.slices) else start.slices
+        return Merged(merged, headings, slices, (*cases, *passes), wide)
+
+    def _sliced(self) -> Integers:
+        """Return the robots of whose poses there are to be slices: with a wide heading, and something to narrow it by."""
+        bearings, ranges = self.readings.bearings, self.readings.ranges
+        if not self.most.slices or self.readings.since is not None:
+            return NO_ROBOTS
+        heard = np.zeros(len(self.headings) + len(self.landmarks), dtype=bool)
+        for each in (bearings.robot, bearings.target, ranges.robot, ranges.target):
+            heard[each] = True
+        looks = narrowed_headings(self.headings, self.readings, AngularIntervals.circles(len(bearings.robot)))
+        return np.flatnonzero(heard[: len(looks)] & (looks.bound > NARROW))
 
     def _placed(self) -> "Merger":
         """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are.
@@ -146,7 +168,7 @@ class Merger(Frozen):
         """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
         known, before, passes = self.polytope, np.full(0, np.inf), list[Directions]()
         arms = Look.of_compasses(self.headings, self.readings).arms if self.readings.mountings is not None else None
-        for _ in range(PASSES if self.cells else 1):
+        for _ in range(PASSES if self.most.cells else 1):
             merged, read = self._pass(known, arms)
             passes.append(read)
             if not self._may_gain(merged, read) or is_over():
@@ -158,8 +180,11 @@ class Merger(Frozen):
             before = now
         return merged, passes
 
-    def _wide(self, merged: Polytope, read: Directions) -> Integers:
-        """Return the robots that something is wide of, for what was measured: they are worth cells."""
+    def _wide(self, merged: Polytope, read: Directions, sliced: Integers) -> Integers:
+        """Return the robots that something is wide of, for what was measured: they are worth cells, or another round.
+
+        Those that are sliced were cut by everything already; of them it has to be new.
+        """
         bearings, ranges, robots = self.readings.bearings, self.readings.ranges, len(self.headings)
         worst, by_heading = np.zeros(robots + len(self.landmarks)), np.zeros(robots)
         np.maximum.at(worst, np.concatenate([ranges.robot, ranges.target]), np.tile(self._inside(read), 2))
@@ -175,7 +200,9 @@ class Merger(Frozen):
         before, now = self.polytope, boxed_at_a_glance(merged)
         is_new = (now.upper - now.lower).sum(axis=1) < NEW * (before.upper - before.lower).sum(axis=1)
         is_new[self.again] = True
-        wide = suspects[(is_new | (by_range > INSIDE) | (by_heading > WIDE_HEADING))[suspects]]
+        is_wide = (by_range > INSIDE) | (by_heading > WIDE_HEADING)
+        is_wide[sliced] = False
+        wide = suspects[(is_new | is_wide)[suspects]]
         areas = (now.upper - now.lower).prod(axis=1)
         return wide if matter(wide, areas) else NO_ROBOTS
 
@@ -191,10 +218,12 @@ class Merger(Frozen):
         told = Told.of(self.readings, headings, self.spacing, Arms.of(self.readings, headings, len(headings)))
         places = Places(self.polytope, told, robots, self.landmarks)
         numbers, cases, rows = self.numbers[len(self.numbers) - len(headings) :], list[ByCases](), [self.polytope.constraints]
+        slices = self.slices
         for robot in robots.tolist():
             if is_over():
                 break
-            case, one = by_cases(places, self.sources, told, robot, self.cells), np.array([robot])
+            one = np.array([robot])
+            case = by_cases(places, self.sources, robot, self.slices.of(one), self.most)
             looks = headings[one].intersection(AngularIntervals(*case.heading[:, None])) if case else None
             if case is None or looks is None or looks.empty.any():
                 time = self.readings.ranges.time
@@ -203,9 +232,10 @@ class Merger(Frozen):
             places.take(case)
             rows.append(case.constraints(numbers[robot]))
             headings = headings.replaced(one, looks)  # the hull of cells may have lost a gap that was known
+            slices = slices.replaced(robot, case.slices)
             cases.append(case)
         known = self.polytope.with_constraints(Constraints.concatenate(rows))
-        return replace(self, polytope=known, headings=headings), cases
+        return replace(self, polytope=known, headings=headings, slices=slices), cases
 
     def _pass(self, known: Polytope, arms: Arms | None) -> tuple[Polytope, Directions]:
         """Return the polytope with rows, from what is known of the team and of sensors' places, and what of that was read.

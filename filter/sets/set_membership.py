@@ -17,7 +17,7 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
-from filter.poses.cells import ByCases
+from filter.poses.cells import Most
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
@@ -66,6 +66,8 @@ class SetMembershipFilter(Frozen):
             a smaller one means smaller regions and more rows.
         cells: Into how many a robot's poses are split at most, where directions or headings are wide for what was measured of
             them (see `filter.poses.cells`); with 0 an update is one pass.
+        slices: In how many slices the poses of a robot with a wide heading are taken along at most (see
+            `filter.poses.slices`), from 0 on, and no more than half as many as cells.
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
@@ -85,6 +87,7 @@ class SetMembershipFilter(Frozen):
     corners: bool = field(default=True, metadata=checked(instance, "corners", bool))
     tangent_spacing: float = field(default=TANGENT_SPACING, metadata=checked(number, "tangent spacing [rad]", 0.01, np.pi / 2))
     cells: int = field(default=64, metadata=checked(whole_number, "cells", 0, 1024))
+    slices: int = field(default=12, metadata=checked(whole_number, "slices", 0, 512))
     scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
     policy: Policy = "raise"
     budget: Budget | None = field(default=None, metadata=checked(instance, "budget", Budget, type(None)))
@@ -216,6 +219,7 @@ class SetMembershipFilter(Frozen):
         try:
             looks, moves = looks_at_a_glance(since, readings)
             gone = self._gone(belief, (time, self.team.arena), moves, looks[-self.team.robots :])
+            gone = replace(gone, slices=belief.slices.through(belief.time, frames, self.team))
             found, wide = self._round(gone, readings._replace(moves=moves), is_over, NO_ROBOTS)
         except Inconsistent:
             return None
@@ -243,7 +247,8 @@ class SetMembershipFilter(Frozen):
         duration = time - belief.time
         moves = displacements(odometry, belief.headings, self.team, duration)
         headings = turned_headings(odometry, belief.headings, self.team, duration)
-        return self._gone(belief, (time, arena), moves, headings).compact()
+        gone = self._gone(belief, (time, arena), moves, headings)
+        return replace(gone, slices=belief.slices.moved(odometry, self.team, duration)).compact()
 
     def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
         """Return whether a belief, after a motion in an arena, is proved to exclude measurements (see `Premises`)."""
@@ -277,17 +282,17 @@ class SetMembershipFilter(Frozen):
         self.on_phase("headings")
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
-        team = self.team.landmarks, self.tangent_spacing, self.cells
-        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *team, again).merged(is_over)
+        rules = self.team.landmarks, self.tangent_spacing, Most(self.cells, self.slices), belief.slices
+        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *rules, again).merged(is_over)
         self.on_phase("prune")
-        known = Belief(belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee)
+        known = Belief(
+            belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee, slices=merged.slices
+        )
         self.on_phase("project")
         found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")
         found = with_pairs(found, self.pairs, self._projector, is_over=is_over)
-        cells = np.array([each.robot for each in merged.evidence if isinstance(each, ByCases)], dtype=np.int64)
-        cells = cells if readings.since is None else merged.wide
-        return replace(found, polytope=self._pruned(found.polytope), proofs=merged.evidence + found.proofs), cells
+        return replace(found, polytope=self._pruned(found.polytope), proofs=merged.evidence + found.proofs), merged.wide
 
     @property
     def _projector(self) -> Projector:

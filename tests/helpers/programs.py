@@ -14,6 +14,7 @@ from filter.linear.polytope import Polytope, prune
 from filter.linear.program import LinearProgram
 from filter.linear.solvers import deepest_point, workspace
 from filter.linear.sources import Sources
+from filter.poses.cells import Most
 from filter.projection.proved import position
 from filter.projection.search import project
 from filter.projection.stop import Stop
@@ -58,7 +59,7 @@ def merging(belief, records, team, spacing, cells=64):
     """Return what is to be merged of records into a belief."""
     readings = Readings.of(belief.time, records)
     sources, numbers = readings.numbered(belief.sources, team.robots)
-    return Merger(belief.polytope, belief.headings, readings, sources, numbers, team.landmarks, spacing, cells)
+    return Merger(belief.polytope, belief.headings, readings, sources, numbers, team.landmarks, spacing, Most(cells, 0))
 
 
 def with_records(estimator, belief, records):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from experiments.logs.exactly import hexadecimal, row_record, source_record
-from filter import ByCases, Source
+from filter import Array, ByCases, Source
 from filter.poses.branch import FEW_EDGES
 from filter.poses.cells import START_EDGES, few_rows
 from filter.sensing.readings import Readings
@@ -36,7 +36,13 @@ def case_record(case: ByCases, readings: Readings, before: Mapping[int, ByCases]
         "pieces": list(_pieces(case)),
         "claims": [{"normal": hexadecimal(row[:2]), "offset": row[2].hex()} for row in case.rows],
         "heading": hexadecimal(case.heading),
+        "roots": [_slice_record(*one) for one in zip(case.roots.centre, case.roots.bound, case.roots.reach, strict=True)],
+        "slices": [_slice_record(one[0], one[1], one[2:]) for one in case.slices],
     }
+
+
+def _slice_record(centre: float, bound: float, reach: Array) -> dict[str, Any]:
+    return {"arc": hexadecimal(np.array([centre, bound])), "reach": hexadecimal(reach)}
 
 
 def _mates(readings: Readings, robot: int, robots: int) -> list[int]:
@@ -49,7 +55,7 @@ def _mates(readings: Readings, robot: int, robots: int) -> list[int]:
 
 def _pieces(case: ByCases) -> Iterator[dict[str, Any]]:
     """Yield how often each piece was cut, and along which line it was then split; a piece comes before its two parts."""
-    waiting = [0]
+    waiting = list(reversed(range(max(1, len(case.roots)))))
     while waiting:
         node = waiting.pop()
         piece: dict[str, Any] = {"rounds": int(case.tree.rounds[node])}

@@ -79,7 +79,7 @@ class Certificates:
         """
         parts, used = list[Part](), ranges_at(belief.time, belief.sources, belief.constraints.source)
         for before, each in reversed(list(pairwise((None, *belief.proofs)))):
-            now = self._read(each, before, used) if isinstance(each, Directions) else [each] if each else []
+            now = self._read(each, before, used) if isinstance(each, Directions) else _found(each, before)
             parts = now + parts
             for proof in (part.proof if isinstance(part, Sighted) else part for part in now):
                 if isinstance(proof, Proof):
@@ -105,6 +105,13 @@ class Certificates:
 
     def _write(self, name: str, lines: Sequence[dict[str, Any]]) -> None:
         self._files[name].write("".join(json.dumps(record) + "\n" for record in lines).encode())
+
+
+def _found(each: Proof | ByCases | None, before: Evidence | None) -> list[Part]:
+    """Return a proof, after the headings that it began with, if others were found in cells before and it rests on these."""
+    if isinstance(each, ByCases) and isinstance(before, ByCases) and each.known is not before.known:
+        return [each.headings, each]
+    return [each] if each else []
 
 
 def _packed(path: Path) -> gzip.GzipFile:

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import pi
 
-from experiments.proof.cells import check_cases
+from experiments.proof.cases.cells import check_cases
+from experiments.proof.cases.slices import Slice, check_roots, slices_in
 from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner, unit_normal
 from experiments.proof.exact import Arc, Vector, arc_around, in_common
 from experiments.proof.given.frame import Frame
@@ -46,6 +47,7 @@ class Chain:
         self._instants: list[Instant] = []
         self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
+        self._slices: dict[int, list[Slice]] = {}  # of robots, as proved so far
         self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
         self._told: tuple[list[Arc], list[Arc]] = [], []  # these, and what is left of them by what `_looking` takes
 
@@ -112,9 +114,12 @@ class Chain:
 
     def _case_by_case(self, line: Record) -> None:
         robot = line["robot"]
+        if roots := slices_in(line, "roots"):
+            check_roots(roots, self._slices.get(robot, ()))
         self._looks[robot] = in_common(self._looks[robot], [check_cases(line, self._instants[-1])])
         for claim in line["claims"]:
             _add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
+        self._slices[robot] = slices_in(line, "slices")
         self.links["robots, case by case"] += 1
 
     def _begin(self) -> Frame:
@@ -125,6 +130,11 @@ class Chain:
         self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
         self._proved.append({})
         looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks, log.mounts)
+        self._slices = {
+            robot: [each.moved(frame.pieces[robot]) for each in slices]
+            for robot, slices in self._slices.items()
+            if robot not in frame.placed
+        }
         for robot, start in frame.placed.items():
             looks[robot], self._placed[robot] = start.heading, number
         self._instants.append(Instant(log, frame, looks, sides, self.edges))

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments.logs.exactly import hexadecimal
-from experiments.proof.cone import ANYWHERE, directions
+from experiments.proof.cases.cone import ANYWHERE, directions
+from experiments.proof.cases.polygon import Polygon as ExactPolygon
 from experiments.proof.edges import plane, through_corner
 from experiments.proof.exact import (
     PI,
@@ -26,7 +27,6 @@ from experiments.proof.exact import (
 )
 from experiments.proof.exact import unit as enclosed
 from experiments.proof.motion import Motion, Piece
-from experiments.proof.polygon import Polygon as ExactPolygon
 from experiments.proof.reading import Broken
 from filter import AngularIntervals, Odometry, Polygon, Team
 from filter.sensing.motion import displacements

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from math import atan2, cos, hypot, pi, sin
 
+from experiments.proof.cases.polygon import Polygon
 from experiments.proof.exact import CIRCLE, Arc, half_circle_about, in_common
-from experiments.proof.polygon import Polygon
 
 HAIR = 1e-12  # so far outward of the outermost places floats look for a side of a target [rad]
 QUARTER = pi / 2

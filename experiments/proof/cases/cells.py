@@ -13,7 +13,9 @@ from fractions import Fraction
 from math import ceil, cos, pi, sin
 
 from experiments.proof.arms import Two, around
-from experiments.proof.cone import ANYWHERE, HAIR, directions
+from experiments.proof.cases.cone import ANYWHERE, HAIR, directions
+from experiments.proof.cases.polygon import Polygon
+from experiments.proof.cases.slices import are_around, slices_in
 from experiments.proof.edges import WORLD, plane, unit_normal
 from experiments.proof.exact import (
     PI,
@@ -28,7 +30,6 @@ from experiments.proof.exact import (
 )
 from experiments.proof.given.frame import Reading, Who
 from experiments.proof.measured import Instant, between
-from experiments.proof.polygon import Polygon
 from experiments.proof.reading import Broken, Record, exact, shown
 from experiments.proof.shown import dot
 from experiments.proof.sides import looking
@@ -72,7 +73,8 @@ class Target:
 def check_cases(line: Record, then: Instant) -> Arc:
     """Return what is proved of the robot's heading, if the line's claims hold in every case.
 
-    Its boxes and rows have to be proved before. Of what was measured, that counts which is `said` in the line.
+    Its boxes and rows, and the slices that its cases begin from, if any, have to be proved before. Of what was measured, that
+    counts which is `said` in the line.
 
     Raises:
         Broken: A piece is not within what is claimed, or the line is misshapen.
@@ -85,7 +87,8 @@ def check_cases(line: Record, then: Instant) -> Arc:
     _bound_work(line, spacing, sum(map(len, said.values())))
     bodies = sorted({body for _, *two in said for body in two} - {robot})
     targets = [target for body in bodies for target in _targets(then, robot, body, places, said)]
-    arcs, waiting = list[Arc](), list[Pose | None]([(places[robot], once_around(then.headings[robot]))])
+    arcs, slices = list[Arc](), slices_in(line, "slices")
+    waiting = list(reversed(_roots(line, places[robot], then.headings[robot])))
     for piece in line["pieces"]:
         pose = waiting.pop()
         for _ in range(piece["rounds"]):
@@ -97,12 +100,26 @@ def check_cases(line: Record, then: Instant) -> Arc:
             arcs.append(pose[1])
             if not all(pose[0].is_behind(*claim) for claim in claims):
                 raise Broken(f"in one of the cases robot {robot} can be beyond what is claimed")
+            if slices and not are_around(slices, *pose):
+                raise Broken(f"in one of the cases robot {robot} can be beyond its slices")
     if waiting:
         raise Broken("there are pieces that no case is about")
     for heading in (claimed, claimed.widened(Fraction(0), TURNS_ROUNDING)):
         if all(heading.covers(arc) for arc in arcs):
             return heading
     raise Broken(f"in one of the cases robot {robot} can look elsewhere than what is claimed")
+
+
+def _roots(line: Record, polygon: Polygon, heading: Arc) -> list[Pose | None]:
+    """Return the poses that cases begin from: all that a polygon and a heading leave of slices, or both as they are."""
+    slices = slices_in(line, "roots")
+    if not slices:
+        return [(polygon, once_around(heading))]
+    found = list[Pose | None]()
+    for each in slices:
+        places = None if are_apart(each.arc, heading) else each.cut(polygon)
+        found.append((places, once_around(in_common(each.arc, [heading]))) if places else None)
+    return found
 
 
 def _bound_work(line: Record, spacing: float, readings: int) -> None:

@@ -36,7 +36,7 @@ from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
 from filter.sets.belief import Belief, Event, Rejected
-from filter.sets.passes import Directions
+from filter.sets.merged import Directions
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter

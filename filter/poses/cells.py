@@ -14,7 +14,7 @@ from filter.linear.polytope import Polytope, prune
 from filter.linear.sources import Sources
 from filter.poses.branch import FEW_EDGES, Roots, Tree, branch
 from filter.poses.cell import Said
-from filter.poses.slices import COUNT, DIRECTIONS, NARROW, Slices, regrouped
+from filter.poses.slices import COUNT, DIRECTIONS, NARROW_HEADING, Slices, regrouped
 from filter.sensing.arms import Arms
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
@@ -211,7 +211,7 @@ def by_cases(places: Places, sources: Sources, robot: int, slices: Slices, most:
     tree.line[:, 2] += tree.line[:, :2] @ origin
     tree.reach[:] += DIRECTIONS @ origin + slack
     budget = min(most.slices, most.cells // 2)
-    kept = regrouped(heading, tree.leaves, len(roots.heading), budget) if budget and heading[1] > NARROW else NO_SLICES
+    kept = regrouped(heading, tree.leaves, len(roots.heading), budget) if budget and heading[1] > NARROW_HEADING else NO_SLICES
     of_it = tuple(map(read_only, tree))
     return ByCases(places.known, sources, told.headings, robot, told.spacing, Tree(*of_it), rows, heading, slices, kept)
 

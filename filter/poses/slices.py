@@ -30,11 +30,11 @@ QUARTER = COUNT // 4
 ANGLES = 2 * np.pi * np.arange(COUNT) / COUNT
 DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
 DIRECTIONS[np.abs(DIRECTIONS) < EPSILON] = 0.0  # the four along the axes are exact
-NARROW = np.radians(4.0)  # a heading known as well as this has no slices [rad]
-FINEST = np.radians(2.0)  # slices are no finer than this [rad]
+NARROW_HEADING = np.radians(4.0)  # a heading known as well as this has no slices [rad]
+FINEST_SLICE = np.radians(2.0)  # slices are no finer than this [rad]
 STRETCHED = 1.5  # slices that are so much wider than they should be, on average, are cut anew
 SLACK = 16 * ANGLE_ROUNDING  # by which arcs are wider, each time they are put together [rad]
-HAIR = 1e-6  # of a cell of the grid on which they are
+HAIR_OF_CELL = 1e-6  # of a cell of the grid on which they are
 
 # The root that each of k leaves comes from, their arcs (k, 2), centre and bound [rad], and supports (k, COUNT) [m].
 Leaves = tuple[Integers, Array, Array]
@@ -118,12 +118,12 @@ def regrouped(heading: Array, leaves: Leaves, roots: int, budget: int) -> Array:
     All leaves are within a heading (2,). Those of one root stay one slice; but where roots are few, or slices have become wide
     for the heading, they are cut anew, into no more than a budget.
     """
-    width = max(2 * heading[1] / budget, FINEST)
+    width = max(2 * heading[1] / budget, FINEST_SLICE)
     as_before = _by_root(leaves, roots)
     wide = 2 * sum_of(as_before[:, 1]) > STRETCHED * width * len(as_before)
     if roots > 1 and len(as_before) <= budget and not wide:
         return as_before
-    return _on_a_grid(heading, leaves, max(1, int(np.ceil(2 * heading[1] / width - HAIR))))
+    return _on_a_grid(heading, leaves, max(1, int(np.ceil(2 * heading[1] / width - HAIR_OF_CELL))))
 
 
 @compiled
@@ -161,8 +161,8 @@ def _on_a_grid(heading: Array, leaves: Leaves, cells: int) -> Array:
             if low > high:
                 continue
             # What is a hair over an edge stays with its cell, or neighbours would be put together again and again.
-            first = min(cells - 1, int(np.floor((low + half) / width + HAIR)))
-            last = min(cells - 1, max(first, int(np.ceil((high + half) / width - HAIR)) - 1))
+            first = min(cells - 1, int(np.floor((low + half) / width + HAIR_OF_CELL)))
+            last = min(cells - 1, max(first, int(np.ceil((high + half) / width - HAIR_OF_CELL)) - 1))
             for cell in range(first, last + 1):
                 ends[cell, 0] = min(ends[cell, 0], low if cell == first else cell * width - half)
                 ends[cell, 1] = max(ends[cell, 1], high if cell == last else (cell + 1) * width - half)

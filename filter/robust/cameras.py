@@ -16,8 +16,9 @@ import numpy as np
 from filter.arrays import Array, Frozen, Mask, positive, settle
 from filter.compiled import compiled
 from filter.geometry.angles import wrap
+from filter.poses.slices import QUARTER
 from filter.robust.hypotheses import Hypotheses
-from filter.robust.slices import QUARTER, Sighting
+from filter.robust.slices import Sighting
 
 UNKNOWN = 0.8  # with a heading that is known no better than this, nothing is estimated [rad]
 FAR_OUT = 2.0  # with a position neither [m]

@@ -16,11 +16,11 @@ import numpy as np
 
 from filter.arrays import Array, Integers, Mask, Table
 from filter.geometry.polygon import Polygon
-from filter.robust.slices import COUNT, DIRECTIONS, QUARTER, regrid
+from filter.poses.slices import COUNT, DIRECTIONS, QUARTER, STRETCHED
+from filter.robust.slices import regrid
 
 AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over
 Cut = Callable[[Array, Array, Array], Mask]  # cuts low, high, reach of slices in place, and says which are left
-STRETCHED = 1.5  # of a cell; when the slices of a robot are as wide as this on average, they are cut anew
 
 
 @dataclass(frozen=True, eq=False)

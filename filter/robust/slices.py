@@ -22,16 +22,11 @@ from filter.compiled import compiled, put
 from filter.geometry.angles import ANGLE_ROUNDING
 from filter.geometry.convex import EPSILON, clip_box, span_of
 from filter.geometry.sector import WIDEST, far_and_near, sides, trapezoid
+from filter.poses.slices import COUNT, DIRECTIONS, HAIR_OF_CELL, QUARTER
 
 Sighting = tuple[int, int, Array]  # who saw, what, and in which sector; a compass is a bearing of the robot itself
 FARTHEST = 1e6  # what a bearing without a range says of the distance [m]
-COUNT = 24  # directions; 15 degrees between two cost 1 to 2 % of a polygon's area
-QUARTER = COUNT // 4
-ANGLES = 2 * np.pi * np.arange(COUNT) / COUNT
-DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
-DIRECTIONS[np.abs(DIRECTIONS) < EPSILON] = 0.0  # the four along the axes are exact
 TANGENT_ANGLE = np.pi / 12  # between two tangents of the far side of a sector [rad]
-HAIR_OF_CELL = 1e-6  # of a cell
 
 
 @compiled

@@ -1,4 +1,5 @@
 """The set-membership filter: predict, then headings, merge, prune, project.
 
-Read the modules in this order: passes, regions, proof, belief, predict, refine, conflict, rejection, set_membership.
+Read the modules in this order: worth, merged, passes, regions, proof, belief, predict, refine, conflict, rejection,
+set_membership.
 """

@@ -18,7 +18,7 @@ from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.poses.cells import ByCases, Most, Places, Told, by_cases
-from filter.poses.slices import NARROW, Slices
+from filter.poses.slices import NARROW_HEADING, Slices
 from filter.poses.split import WORTH_A_SLICE
 from filter.sensing.arms import Arms
 from filter.sensing.headings import narrowed_headings
@@ -26,6 +26,8 @@ from filter.sensing.looks import Look, narrowed_by_bearings
 from filter.sensing.readings import BEARINGS, RANGES, Readings
 from filter.sensing.rows import as_of_now, bearing_rows, on_robots, position_rows, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
+from filter.sets.merged import Directions, Merged
+from filter.sets.worth import matter
 
 PASSES = 8  # at most; more than three are seldom worth it
 GAIN = 0.98  # another pass is worth it if something becomes smaller by this factor
@@ -38,57 +40,9 @@ LEFT_OF_A_HEADING = 0.8
 INSIDE, WIDE_HEADING = 0.5, 1.05
 # where no more than a share of a robot's box is left, sooner: from these shares on.
 NEW, SOON, SOON_HEADING = 0.7, 0.03, 0.1
-# They and another round are worth it for this share of all robots, by number or area, and while regions become smaller by it.
-WORTH_IT = 0.03
 SMALLEST_BAND = 1e-12  # what is divided by is never smaller [m]
 ONE_PASS = Most(0, 0)
 NO_ROBOTS = np.zeros(0, dtype=np.int64)
-
-
-@dataclass(frozen=True, eq=False)
-class Directions(Frozen):
-    """What one pass read the directions of targets from, at a glance.
-
-    Attributes:
-        readings: Of whom.
-        sources: What produced the rows of these polytopes:
-        known: for bearings, from which the headings follow;
-        seen: for ranges, with the rows of bearings.
-        headings: (n) after it [rad].
-        arcs: (r) the directions of ranges [rad].
-        moves: Where robots have gone since the readings; None if these are of one instant.
-        arms: From the places of sensors to the centres of robots; None if all readings are taken at centres.
-        before: The same as it was known for the directions of bearings.
-    """
-
-    readings: Readings
-    sources: Sources
-    known: Polytope
-    seen: Polytope
-    headings: AngularIntervals
-    arcs: AngularIntervals
-    moves: Moves | None = None
-    arms: Arms | None = None
-    before: Arms | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Merged(Frozen):
-    """What came of it.
-
-    Attributes:
-        polytope: Where the team is, with the rows of what was measured.
-        headings: (n) the robots' headings [rad].
-        evidence: What was found in cells, and then what each pass that counts has read directions from.
-        wide: (c,) robots that are worth cells. They were found in cells, if the readings are of one instant and time was left.
-        slices: Of the poses of robots whose headings are wide.
-    """
-
-    polytope: Polytope
-    headings: AngularIntervals
-    slices: Slices
-    evidence: tuple[ByCases | Directions, ...]
-    wide: Integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +90,7 @@ class Merger(Frozen):
             merged, passes = start._settled(is_over)
             cases += more
         headings = passes[-1].headings
-        slices = start.slices.select(headings.bound[start.slices.robot] > NARROW) if len(start.slices) else start.slices
+        slices = start.slices.select(headings.bound[start.slices.robot] > NARROW_HEADING) if len(start.slices) else start.slices
         return Merged(merged, headings, slices, (*cases, *passes), wide)
 
     def _sliced(self) -> Integers:
@@ -148,7 +102,7 @@ class Merger(Frozen):
         for each in (bearings.robot, bearings.target, ranges.robot, ranges.target):
             heard[each] = True
         looks = narrowed_headings(self.headings, self.readings, AngularIntervals.circles(len(bearings.robot)))
-        return np.flatnonzero(heard[: len(looks)] & (looks.bound > NARROW))
+        return np.flatnonzero(heard[: len(looks)] & (looks.bound > NARROW_HEADING))
 
     def _placed(self) -> "Merger":
         """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are.
@@ -301,19 +255,6 @@ class Merger(Frozen):
         some = np.flatnonzero(left > 0)
         spans = self._spans(merged, BEARINGS, (read.moves, read.arms), some)
         return bool((spans.bound < left[some]).any())
-
-
-def matter(robots: Integers, areas: Array) -> bool:
-    """Return whether some robots are not few among (n,) regions of some areas [m2]."""
-    return len(robots) >= WORTH_IT * len(areas) or bool(areas[robots].sum() >= WORTH_IT * areas.sum())
-
-
-def are_smaller(now: Array, before: Array) -> bool:
-    """Return whether (n,) areas have become smaller than before [m2], all together or most of them; those of nothing cannot."""
-    if not before.any():
-        return False
-    shares = np.divide(now, before, out=np.ones(len(now)), where=before > 0)
-    return bool(min(now.sum() / before.sum(), shares.mean()) < 1 - WORTH_IT)
 
 
 def boxed_at_a_glance(polytope: Polytope) -> Polytope:

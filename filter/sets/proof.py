@@ -14,7 +14,7 @@ from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.poses.cells import ByCases
 from filter.projection.claims import Outlines, Weights
-from filter.sets.passes import Directions
+from filter.sets.merged import Directions
 
 Line = tuple[int, int, Array]  # robots i (or WORLD) and j, and a normal (2,)
 Bounded = Literal["regions", "boxes", "pairs", "sides"]

@@ -32,10 +32,11 @@ from filter.sensing.rows import TANGENT_SPACING
 from filter.sensing.since import Moves, Since
 from filter.sets.belief import Belief, Event, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
-from filter.sets.passes import NO_ROBOTS, Merger, are_smaller, matter
+from filter.sets.passes import NO_ROBOTS, Merger
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
 from filter.sets.rejection import agreeing
+from filter.sets.worth import are_smaller, matter
 from filter.team import Team
 
 Policy = Literal["raise", "reject"]
@@ -66,8 +67,7 @@ class SetMembershipFilter(Frozen):
             a smaller one means smaller regions and more rows.
         cells: Into how many a robot's poses are split at most, where directions or headings are wide for what was measured of
             them (see `filter.poses.cells`); with 0 an update is one pass.
-        slices: In how many slices the poses of a robot with a wide heading are taken along at most (see
-            `filter.poses.slices`), from 0 on, and no more than half as many as cells.
+        slices: In how many slices the poses of a wide heading are taken along at most (see `filter.poses.slices`).
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
         policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
             in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
@@ -275,19 +275,15 @@ class SetMembershipFilter(Frozen):
         return found.compact()
 
     def _round(self, belief: Belief, readings: Readings, is_over: IsOver, again: Integers) -> tuple[Belief, Integers]:
-        """Return the belief, and the robots that were found in cells; they are (c,) again, if they are wide.
-
-        Of readings of several instants, which are not found in cells, they are those that would be worth it.
-        """
+        """Return the belief, and the robots (c,) that are worth cells: they have got them if readings are of one instant."""
         self.on_phase("headings")
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         rules = self.team.landmarks, self.tangent_spacing, Most(self.cells, self.slices), belief.slices
         merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *rules, again).merged(is_over)
         self.on_phase("prune")
-        known = Belief(
-            belief.time, self._pruned(merged.polytope), merged.headings, sources, belief.guarantee, slices=merged.slices
-        )
+        pruned = self._pruned(merged.polytope)
+        known = Belief(belief.time, pruned, merged.headings, sources, belief.guarantee, slices=merged.slices)
         self.on_phase("project")
         found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")

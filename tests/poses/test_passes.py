@@ -20,8 +20,10 @@ from filter.records.record import field_names
 from filter.sensing.readings import Readings
 from filter.sensing.rows import WIDENING
 from filter.sets.belief import Belief
-from filter.sets.passes import Directions, are_smaller, boxed_at_a_glance, matter
+from filter.sets.merged import Directions
+from filter.sets.passes import boxed_at_a_glance
 from filter.sets.set_membership import SetMembershipFilter
+from filter.sets.worth import are_smaller, matter
 from filter.team import Team
 from sim.episode import episode
 

@@ -14,7 +14,7 @@ from filter.linear.polytope import Polytope, prune
 from filter.linear.sources import Sources
 from filter.poses.branch import FEW_EDGES, Roots, Tree, branch
 from filter.poses.cell import Said
-from filter.poses.slices import COUNT, DIRECTIONS, NARROW_HEADING, Slices, regrouped
+from filter.poses.slices import COUNT, DIRECTIONS, Slices, regrouped
 from filter.sensing.arms import Arms
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
@@ -191,6 +191,11 @@ class Most:
     cells: int
     slices: int
 
+    @property
+    def taken_along(self) -> int:
+        """How many slices there are at most: they are cells, and have to leave room for others."""
+        return min(self.slices, self.cells // 2)
+
 
 def by_cases(places: Places, sources: Sources, robot: int, slices: Slices, most: Most) -> ByCases | None:
     """Return what is left of one robot's poses, from its slices before, and where bodies can be; None if that is nothing."""
@@ -210,8 +215,8 @@ def by_cases(places: Places, sources: Sources, robot: int, slices: Slices, most:
     rows[:, 2] += rows[:, :2] @ origin + slack
     tree.line[:, 2] += tree.line[:, :2] @ origin
     tree.reach[:] += DIRECTIONS @ origin + slack
-    budget = min(most.slices, most.cells // 2)
-    kept = regrouped(heading, tree.leaves, len(roots.heading), budget) if budget and heading[1] > NARROW_HEADING else NO_SLICES
+    budget = most.taken_along
+    kept = regrouped(heading, tree.leaves, len(roots.heading), budget) if budget else NO_SLICES
     of_it = tuple(map(read_only, tree))
     return ByCases(places.known, sources, told.headings, robot, told.spacing, Tree(*of_it), rows, heading, slices, kept)
 

@@ -9,7 +9,7 @@ All polygons have edges in the same directions and are given by their supports, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +30,8 @@ QUARTER = COUNT // 4
 ANGLES = 2 * np.pi * np.arange(COUNT) / COUNT
 DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
 DIRECTIONS[np.abs(DIRECTIONS) < EPSILON] = 0.0  # the four along the axes are exact
-NARROW_HEADING = np.radians(4.0)  # a heading known as well as this has no slices [rad]
+NARROW_HEADING = np.radians(4.0)  # a heading known as well as this by a compass has no slices, ...
+NARROW_ALONE = np.radians(2.0)  # ... and as well as this without one [rad]
 FINEST_SLICE = np.radians(2.0)  # slices are no finer than this [rad]
 STRETCHED = 1.5  # slices that are so much wider than they should be, on average, are cut anew
 SLACK = 16 * ANGLE_ROUNDING  # by which arcs are wider, each time they are put together [rad]
@@ -66,20 +67,22 @@ class Slices(Table):
         """(s) arcs of headings [rad]."""
         return AngularIntervals.of_found(self.centre, self.bound)
 
-    def of(self, robots: Integers) -> Slices:
-        """Return those of some robots (k,)."""
-        return self.select(np.isin(self.robot, robots))
+    def of(self, robot: int) -> Slices:
+        """Return those of one robot."""
+        return self.select(np.arange(*np.searchsorted(self.robot, [robot, robot + 1])))
 
     def without(self, robots: Integers) -> Slices:
         """Return those of all other robots than some (k,)."""
         return self.select(~np.isin(self.robot, robots)) if len(self) else self
 
-    def replaced(self, robot: int, table: Array) -> Slices:
-        """Return those of one robot replaced by others, a table (g, 2 + COUNT) of centres, bounds and supports."""
-        mine = np.full(len(table), robot)
-        others = self.without(np.array([robot]))
-        every = Slices.concatenate([others, Slices(mine, table[:, 0].copy(), table[:, 1].copy(), table[:, 2:].copy())])
-        return every.select(np.argsort(every.robot, kind="stable"))
+    def replaced(self, tables: Mapping[int, Array]) -> Slices:
+        """Return those of some robots replaced by others: tables (g, 2 + COUNT) of centres, bounds and supports, by robots."""
+        robots = np.array(list(tables), dtype=np.int64)
+        whose = np.repeat(robots, [len(table) for table in tables.values()])
+        every = np.concatenate([np.zeros((0, 2 + COUNT)), *tables.values()])
+        found = Slices(whose, every[:, 0].copy(), every[:, 1].copy(), every[:, 2:].copy())
+        both = Slices.concatenate([self.without(robots), found])
+        return both.select(np.argsort(both.robot, kind="stable"))
 
     def moved(self, odometry: Odometry | None, team: Team, duration: float) -> Slices:
         """Return the slices after a motion of so long a time [s]: each drives its own way, within its own arc."""

@@ -18,7 +18,7 @@ from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.poses.cells import ByCases, Most, Places, Told, by_cases
-from filter.poses.slices import NARROW_HEADING, Slices
+from filter.poses.slices import NARROW_ALONE, NARROW_HEADING, Slices
 from filter.poses.split import WORTH_A_SLICE
 from filter.sensing.arms import Arms
 from filter.sensing.headings import narrowed_headings
@@ -81,28 +81,39 @@ class Merger(Frozen):
         """
         placed = self._placed()
         sliced = placed._sliced()
-        start, cases = placed._in_cells(sliced, is_over) if len(sliced) else (placed, [])
+        start, cases = placed._in_cells(sliced, self.most, is_over) if len(sliced) else (placed, [])
         merged, passes = start._settled(is_over)
         wide = placed._wide(merged, passes[-1], sliced) if self.most.cells else NO_ROBOTS
         others = np.setdiff1d(wide, sliced)
         if self.readings.since is None and len(others) and not is_over():
-            start, more = start._in_cells(others, is_over)
+            start, more = start._in_cells(others, Most(self.most.cells, 0), is_over)
             merged, passes = start._settled(is_over)
             cases += more
         headings = passes[-1].headings
-        slices = start.slices.select(headings.bound[start.slices.robot] > NARROW_HEADING) if len(start.slices) else start.slices
+        slices = start.slices.without(np.flatnonzero(headings.bound <= self._narrow))
         return Merged(merged, headings, slices, (*cases, *passes), wide)
 
     def _sliced(self) -> Integers:
         """Return the robots of whose poses there are to be slices: with a wide heading, and something to narrow it by."""
         bearings, ranges = self.readings.bearings, self.readings.ranges
-        if not self.most.slices or self.readings.since is not None:
+        if not self.most.taken_along or self.readings.since is not None:
             return NO_ROBOTS
         heard = np.zeros(len(self.headings) + len(self.landmarks), dtype=bool)
         for each in (bearings.robot, bearings.target, ranges.robot, ranges.target):
             heard[each] = True
-        looks = narrowed_headings(self.headings, self.readings, AngularIntervals.circles(len(bearings.robot)))
-        return np.flatnonzero(heard[: len(looks)] & (looks.bound > NARROW_HEADING))
+        return np.flatnonzero(heard[: len(self.headings)] & (self._looks.bound > self._narrow))
+
+    @cached_property
+    def _looks(self) -> AngularIntervals:
+        """(n) headings as far as compasses tell [rad]."""
+        return narrowed_headings(self.headings, self.readings, AngularIntervals.circles(len(self.readings.bearings.robot)))
+
+    @cached_property
+    def _narrow(self) -> Array:
+        """(n,) how well headings have to be known to have no slices [rad]."""
+        narrow = np.full(len(self.headings), NARROW_ALONE)
+        narrow[self.readings.compasses.robot] = NARROW_HEADING
+        return narrow
 
     def _placed(self) -> "Merger":
         """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are.
@@ -165,19 +176,17 @@ class Merger(Frozen):
         least, greatest = self.readings.ranges.interval()
         return np.asarray(least * (1 - np.cos(read.arcs.bound)) / np.maximum(greatest - least, SMALLEST_BAND))
 
-    def _in_cells(self, robots: Integers, is_over: Callable[[], bool]) -> tuple["Merger", list[ByCases]]:
+    def _in_cells(self, robots: Integers, most: Most, is_over: Callable[[], bool]) -> tuple["Merger", list[ByCases]]:
         """Return what is merged into what cells leave of some robots' poses, and why."""
-        nothing = AngularIntervals.circles(len(self.readings.bearings.robot))
-        headings = narrowed_headings(self.headings, self.readings, nothing)
+        headings = self._looks
         told = Told.of(self.readings, headings, self.spacing, Arms.of(self.readings, headings, len(headings)))
         places = Places(self.polytope, told, robots, self.landmarks)
         numbers, cases, rows = self.numbers[len(self.numbers) - len(headings) :], list[ByCases](), [self.polytope.constraints]
-        slices = self.slices
         for robot in robots.tolist():
             if is_over():
                 break
             one = np.array([robot])
-            case = by_cases(places, self.sources, robot, self.slices.of(one), self.most)
+            case = by_cases(places, self.sources, robot, self.slices.of(robot), most)
             looks = headings[one].intersection(AngularIntervals(*case.heading[:, None])) if case else None
             if case is None or looks is None or looks.empty.any():
                 time = self.readings.ranges.time
@@ -186,9 +195,9 @@ class Merger(Frozen):
             places.take(case)
             rows.append(case.constraints(numbers[robot]))
             headings = headings.replaced(one, looks)  # the hull of cells may have lost a gap that was known
-            slices = slices.replaced(robot, case.slices)
             cases.append(case)
         known = self.polytope.with_constraints(Constraints.concatenate(rows))
+        slices = self.slices.replaced({case.robot: case.slices for case in cases}) if most.taken_along else self.slices
         return replace(self, polytope=known, headings=headings, slices=slices), cases
 
     def _pass(self, known: Polytope, arms: Arms | None) -> tuple[Polytope, Directions]:

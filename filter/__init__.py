@@ -18,7 +18,7 @@ from filter.guarantee import Guarantee
 from filter.lag import FixedLag, Lagged, Mistimed
 from filter.linear.sources import Source
 from filter.motions import Motions
-from filter.poses.cells import ByCases
+from filter.poses.cells import ByCases, Cases
 from filter.projection.fallback import Fallback
 from filter.projection.stop import Budget, Stop
 from filter.projection.window import Window
@@ -53,7 +53,19 @@ __all__ += ["place_from_north", "position_from_range_difference", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]
 __all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
-__all__ += ["Alarm", "Belief", "ByCases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof", "Region"]
+__all__ += [
+    "Alarm",
+    "Belief",
+    "ByCases",
+    "Cases",
+    "Directions",
+    "Event",
+    "Evidence",
+    "Fallback",
+    "Guarantee",
+    "Proof",
+    "Region",
+]
 __all__ += ["Regions", "Rejected", "Source"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]

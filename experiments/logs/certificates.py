@@ -32,7 +32,7 @@ import numpy as np
 from experiments.logs.cases import case_record
 from experiments.logs.exactly import hexadecimal, region_record, row_record, source_record
 from experiments.logs.sides import Sighted, Sights, boxes_at_a_glance, sides_of_bearings, sides_of_ranges
-from filter import AngularIntervals, Array, Belief, ByCases, Directions, Evidence, Integers, Proof, Step
+from filter import AngularIntervals, Array, Belief, ByCases, Cases, Directions, Evidence, Integers, Proof, Step
 from filter.linear.sources import Sources
 
 FILE = "certificates.jsonl.gz"
@@ -107,10 +107,10 @@ class Certificates:
         self._files[name].write("".join(json.dumps(record) + "\n" for record in lines).encode())
 
 
-def _found(each: Proof | ByCases | None, before: Evidence | None) -> list[Part]:
-    """Return a proof, after the headings that it began with, if others were found in cells before and it rests on these."""
-    if isinstance(each, ByCases) and isinstance(before, ByCases) and each.known is not before.known:
-        return [each.headings, each]
+def _found(each: Proof | Cases | None, before: Evidence | None) -> list[Part]:
+    """Return a proof, or all cases, after the headings that they began with if others were found before in cells."""
+    if isinstance(each, Cases):
+        return [*([each.told.headings] if isinstance(before, Cases) else []), *each]
     return [each] if each else []
 
 

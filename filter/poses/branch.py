@@ -12,11 +12,12 @@ from filter.geometry.simplify import edges_worth_keeping
 from filter.linear.polytope import APART
 from filter.poses.cell import CELL_CORNERS, Said, Scale, cut, cuts_at_most, pruned
 from filter.poses.cone import wrapped
-from filter.poses.slices import COUNT, DIRECTIONS, Leaves
+from filter.poses.slices import COUNT, DIRECTIONS
 from filter.poses.split import where_to_split
 from filter.sensing.rows import WIDENING
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
+OF_SLICES = 2  # slices, most of which are narrow already, are split into half as many cells
 HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, at most
 
 
@@ -38,19 +39,6 @@ class Tree(NamedTuple):
     root: Integers
     arcs: Array
     reach: Array
-
-    @classmethod
-    def blank(cls, cells: int) -> "Tree":
-        """Return one to be filled."""
-        child, rounds = np.zeros((2, 2 * cells), dtype=np.int64)
-        leaves = np.full(cells, -1), np.zeros((cells, 2)), np.zeros((cells, COUNT))
-        return cls(np.zeros((2 * cells, 3)), child, rounds, *leaves)
-
-    @property
-    def leaves(self) -> Leaves:
-        """Roots, arcs and supports of the leaves that there are."""
-        count = int((self.root >= 0).sum())
-        return self.root[:count], self.arcs[:count], self.reach[:count]
 
 
 class Roots(NamedTuple):
@@ -114,8 +102,10 @@ def branch(roots: Roots, heading: Array, said: Said, margin: float, tree: Tree) 
     )
     for root in range(len(roots.heading)):
         _plant(left, root, roots, said, scale)
-    for nodes in range(len(roots.heading), len(tree.child) - 1, 2):
-        if not 0 < left.alive[0] < most:
+    count = len(roots.heading)
+    enough = most if count == 1 else max(count, most // OF_SLICES)
+    for nodes in range(count, len(tree.child) - 1, 2):
+        if not 0 < left.alive[0] < enough:
             break
         k = place_of_least(-left.split[: left.alive[0], 0])
         if left.split[k, 0] <= TOLERANCE:

@@ -1,26 +1,26 @@
 """What ranges and bearings of wide directions leave of each robot's poses: the hulls of cells, with its mates as sets."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask, read_only
+from filter.arrays import Array, Frozen, Integers, Mask, chosen, read_only
 from filter.geometry.angles import AngularIntervals
-from filter.geometry.convex import EPSILON, hull_of
-from filter.geometry.many import Polygons, clip_boxes
+from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
 from filter.linear.sources import Sources
-from filter.poses.branch import FEW_EDGES, Roots, Tree, branch
-from filter.poses.cell import Said
-from filter.poses.slices import COUNT, DIRECTIONS, Slices, regrouped
+from filter.poses.branch import FEW_EDGES, Tree
+from filter.poses.slices import Slices
+from filter.poses.turns import CORNERS_FOR_OTHERS, Heard, Outcome, Sets, Starts, in_turn
 from filter.sensing.arms import Arms
 from filter.sensing.readings import Readings
 from filter.sensing.rows import world_arcs
 
 FINEST_TANGENTS = np.pi / 12  # apart; so cells, which have few corners, have room for what matters [rad]
-NO_SLICES = np.zeros((0, 2 + COUNT))
+AT_A_TIME = 16  # so many robots are found before there is another look at the time
 START_EDGES = 24  # so many rows on a robot are what its poses are cut from, at most
 
 
@@ -76,67 +76,23 @@ class Told(Frozen):
         which = robot[order], target[order], reading[order], begins, sector[order], own[order]
         return cls(*which, headings, max(spacing, FINEST_TANGENTS), arms)
 
-    def said(self, robot: int, bodies: Mapping[int, Array]) -> Said:
-        """Return what was said of one robot, where bodies are sets, hulls of points (p, 2) [m]."""
-        begin, end = np.searchsorted(self.robot, [robot, robot + 1])
-        first = np.flatnonzero(self.begins[begin:end])
-        points = [self._points(place, bodies) for place in (begin + first).tolist()]
-        each, first = np.cumsum([0, *map(len, points)]), np.append(first, end - begin)
-        return Said(self.sector[begin:end], self.own[begin:end], first, np.concatenate(points), each, self.spacing)
+    def apart(self, robots: Integers) -> tuple[Array, Integers]:
+        """Return corners (p, 2) of by how much ways to targets are others than measured, and where (m + 1,) each one's begin.
 
-    def _points(self, place: int, bodies: Mapping[int, Array]) -> Array:
-        """Return where the target would be, seen from the centre of the robot that is told, as its sensor sees it."""
-        points, reading = bodies[int(self.target[place])], int(self.reading[place])
-        if self.arms is None:
-            return points
-        apart = self.arms.seen(reading, bool(self.arms.robot[reading] != self.robot[place]))
-        return hull_of((points[:, None] + apart).reshape(-1, 2))
+        They are those of some robots (k,), and none if all readings are taken at the centres of robots.
+        """
+        counts, corners = np.zeros(len(self.robot), dtype=np.int64), [np.zeros((0, 2))]
+        if self.arms is not None:
+            for place in np.flatnonzero(self.begins & np.isin(self.robot, robots)).tolist():
+                reading = int(self.reading[place])
+                corners.append(self.arms.seen(reading, bool(self.arms.robot[reading] != self.robot[place])))
+                counts[place] = len(corners[-1])
+        return np.concatenate(corners), np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
 
-
-class Places:
-    """Where bodies can be, as sets with few edges; those of robots found in cells become smaller one after the other.
-
-    Attributes:
-        known: From which this is known.
-        told: What robots are told of them.
-        starts: What the poses of each robot are cut from, polygons by robots [m].
-        bodies: Corners (p, 2) of the sets that robots and landmarks are for others, by bodies [m].
-        margin: How far sets can reach beyond the hulls of their corners [m].
-    """
-
-    def __init__(self, known: Polytope, told: Told, robots: Integers, landmarks: Array) -> None:
-        """Begin with what is known of some robots (k,), and of those of which they are told."""
-        self.known, self.told, targets = known, told, np.unique(told.target[np.isin(told.robot, robots)])
-        mates = targets[targets < len(known.lower)]
-        starts, others = as_sets(known, robots, START_EDGES), as_sets(known, mates, FEW_EDGES)
-        self.starts = dict(zip(robots.tolist(), starts, strict=True))
-        self.bodies = dict(zip(mates.tolist(), others.corners(), strict=True))
-        self.bodies |= dict(enumerate(landmarks[:, None], len(known.lower)))
-        self.margin = float(max(starts.margin.max(initial=0), others.margin.max(initial=0)))
-
-    def roots(self, robot: int, heading: AngularIntervals, slices: Slices) -> Roots:
-        """Return the sets of poses of a robot with an arc of headings (1): its polygon, cut by its slices if it has any."""
-        start, count = self.starts[robot], len(slices)
-        if not count:
-            return Roots(start.vertices, np.array([0, len(start.vertices)]), np.stack([heading.centre, heading.bound], axis=1))
-        lines, each = len(start.offsets) + COUNT, np.zeros(count, dtype=np.int64)
-        normals = np.tile(np.concatenate([start.normals, DIRECTIONS]), (count, 1))
-        offsets = np.concatenate([np.tile(start.offsets, (count, 1)), slices.reach], axis=1).ravel()
-        ends, whose = lines * np.arange(1, count + 1), each + robot
-        box = self.known.lower[whose], self.known.upper[whose]
-        clipped, arcs = clip_boxes(read_only(normals), read_only(offsets), (ends - lines, ends), *box), slices.arcs
-        arcs, found = arcs.intersection(heading[each]), clipped.polygons
-        some, self.margin = ~(clipped.empty | arcs.empty), max(self.margin, float(found.margin.max()))
-        corners, first = found.vertices[some[found.owner]], np.cumsum([0, *np.where(some, found.counts, 0)])
-        return Roots(corners, first, np.stack([arcs.centre, arcs.bound], axis=1))
-
-    def take(self, case: "ByCases") -> None:
-        """Take over where a robot was found to be."""
-        rows, box = case.few, (self.known.lower[[case.robot]], self.known.upper[[case.robot]])
-        group = np.zeros(1, dtype=np.int64), np.full(1, len(rows))
-        lines = read_only(rows[:, :2].copy()), read_only(rows[:, 2].copy())  # as all others: no other type is compiled for
-        found = clip_boxes(*lines, group, *box).polygons
-        self.bodies[case.robot], self.margin = found.vertices, max(self.margin, float(found.margin[0]))
+    def heard(self, robots: Integers) -> Heard:
+        """Return the same for a compiled function, of some robots (k,)."""
+        headings = self.headings.centre, self.headings.bound
+        return Heard(self.target, self.begins, self.sector, self.own, *self.apart(robots), headings, self.spacing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,28 +153,116 @@ class Most:
         return min(self.slices, self.cells // 2)
 
 
-def by_cases(places: Places, sources: Sources, robot: int, slices: Slices, most: Most) -> ByCases | None:
-    """Return what is left of one robot's poses, from its slices before, and where bodies can be; None if that is nothing."""
-    told = places.told
-    looks = told.headings[np.array([robot])]
-    roots, said = places.roots(robot, looks, slices), told.said(robot, places.bodies)
-    if not len(roots.corners):
-        return None
-    west, east = roots.corners.min(axis=0), roots.corners.max(axis=0)
-    origin = (west + east) / 2
-    far = np.abs(origin).max() + max(np.abs(west).max(), np.abs(east).max(), np.abs(said.points).max())
-    heading, tree, slack = np.stack([looks.centre, looks.bound])[:, 0], Tree.blank(most.cells), 8 * EPSILON * far
-    moved = said._replace(points=said.points - origin)
-    rows = branch(roots._replace(corners=roots.corners - origin), heading, moved, places.margin + slack, tree)
-    if not len(rows):
-        return None
-    rows[:, 2] += rows[:, :2] @ origin + slack
-    tree.line[:, 2] += tree.line[:, :2] @ origin
-    tree.reach[:] += DIRECTIONS @ origin + slack
-    budget = most.taken_along
-    kept = regrouped(heading, tree.leaves, len(roots.heading), budget) if budget else NO_SLICES
-    of_it = tuple(map(read_only, tree))
-    return ByCases(places.known, sources, told.headings, robot, told.spacing, Tree(*of_it), rows, heading, slices, kept)
+@dataclass(frozen=True, eq=False)
+class Cases(Frozen, Sequence[ByCases]):
+    """What was found case by case of k robots, one after the other.
+
+    Attributes:
+        known: The polytope whose rows on single robots, and those of the cases before, tell where robots can be.
+        sources: What produced the rows.
+        told: What robots are told.
+        robot: (k,) whose poses they are.
+        found: What was found.
+        before: Their slices before, from which trees begin.
+    """
+
+    known: Polytope
+    sources: Sources
+    told: Told
+    robot: Integers
+    found: Outcome
+    before: Slices
+
+    def __len__(self) -> int:
+        return len(self.robot)
+
+    @overload
+    def __getitem__(self, index: int) -> ByCases: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[ByCases]: ...
+
+    def __getitem__(self, index: int | slice) -> ByCases | list[ByCases]:
+        k = chosen("a case", index, len(self))
+        if isinstance(k, range):
+            return [self[each] for each in k]
+        found, robot, told = self.found, int(self.robot[k]), self.told
+        tree = Tree(*(column[k] for column in found[: len(Tree._fields)]))
+        slices = found.slices[k, : found.kept[k]]
+        rows, heading = found.rows[k, : found.edges[k]], found.heading[k]
+        before = self.before.of(robot)
+        return ByCases(self.known, self.sources, told.headings, robot, told.spacing, tree, rows, heading, before, slices)
+
+    @property
+    def headings(self) -> AngularIntervals:
+        """(k) what is left of headings [rad]."""
+        return AngularIntervals.of_found(self.found.heading[:, 0], self.found.heading[:, 1])
+
+    @property
+    def slices(self) -> Slices:
+        """Slices of what is left."""
+        found = self.found
+        some = np.arange(found.slices.shape[1]) < found.kept[:, None]
+        table = found.slices[some]
+        return Slices(np.repeat(self.robot, found.kept), table[:, 0].copy(), table[:, 1].copy(), table[:, 2:].copy())
+
+    def constraints(self, sources: Integers) -> Constraints:
+        """Return the half-planes as rows, from numbers (k,) in the belief's table of sources."""
+        found = self.found
+        rows = found.rows[np.arange(found.rows.shape[1]) < found.edges[:, None]]
+        whose = np.repeat(np.arange(len(self)), found.edges)
+        world = np.full(len(rows), WORLD)
+        return Constraints(world, self.robot[whose], rows[:, :2].copy(), rows[:, 2].copy(), sources[whose])
+
+
+@dataclass(frozen=True, eq=False)
+class Scene(Frozen):
+    """Where robots and landmarks can be before something is found in cells, and what is told of them.
+
+    Attributes:
+        known: Where robots can be.
+        sources: What produced its rows.
+        told: What robots are told.
+        landmarks: (l, 2) [m].
+        slices: Of robots' poses.
+    """
+
+    known: Polytope
+    sources: Sources
+    told: Told
+    landmarks: Array
+    slices: Slices
+
+    def in_cells(self, robots: Integers, most: Most, is_over: Callable[[], bool] = lambda: False) -> tuple[Cases, int]:
+        """Return what cells leave of robots' poses (k,), in order, until time is over; and of whom nothing, -1 for nobody."""
+        mine = self.slices.select(np.isin(self.slices.robot, robots))
+        starts, sets = self._starts(robots, mine)
+        found, heard, done = Outcome.blank(len(robots), most.cells, most.taken_along), self.told.heard(robots), 0
+        nowhere = -1
+        while done < len(robots) and nowhere < 0 and not is_over():
+            end = min(done + AT_A_TIME, len(robots))
+            nowhere = in_turn((done, end), starts, heard, sets, found)
+            done = end
+        some = Outcome(*(read_only(column[:done]) for column in found))
+        cases = Cases(self.known, self.sources, self.told, robots[:done], some, mine)
+        return cases, -1 if nowhere < 0 else int(robots[nowhere])
+
+    def _starts(self, robots: Integers, slices: Slices) -> tuple[Starts, Sets]:
+        """Return what the poses of robots (k,) are cut from, and where those can be of whom they are told."""
+        whose, known, count = self.told.robot, self.known, len(self.known.lower)
+        targets = np.unique(self.told.target[np.isin(whose, robots)])
+        mates = targets[targets < count]
+        polygons, others = as_sets(known, robots, START_EDGES), as_sets(known, mates, FEW_EDGES)
+        bodies = count + len(self.landmarks)
+        corners, size = np.zeros((bodies, CORNERS_FOR_OTHERS, 2)), np.ones(bodies, dtype=np.int64)
+        corners[count:, 0], size[mates] = self.landmarks, others.counts
+        corners[mates[others.owner], np.arange(len(others.owner)) - others.first[others.owner]] = others.vertices
+        margin = np.array([max(polygons.margin.max(initial=0), others.margin.max(initial=0))])
+        said = np.stack([np.searchsorted(whose, robots), np.searchsorted(whose, robots + 1)], axis=1)
+        lines = polygons.normals, polygons.offsets
+        of_slices = (slices.centre, slices.bound, slices.reach), np.searchsorted(slices.robot, np.append(robots, count))
+        starts = Starts(robots, said, lines, polygons.vertices, polygons.first, *of_slices)
+        return starts, Sets(corners, size, margin, (known.lower, known.upper))
 
 
 def few_rows(known: Polytope, robots: Integers, edges: int) -> Constraints:

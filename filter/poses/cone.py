@@ -42,7 +42,7 @@ def _outermost(cell: Array, size: int, points: Array, margin: float) -> tuple[Ve
     for m in range(size):
         for t in range(len(points)):
             apart = points[t, 0] - cell[m, 0], points[t, 1] - cell[m, 1]
-            farthest = max(farthest, np.hypot(apart[0], apart[1]))
+            farthest = max(farthest, apart[0] * apart[0] + apart[1] * apart[1])
             if abs(apart[0]) + abs(apart[1]) <= margin:
                 continue  # in whatever direction
             if first == (0.0, 0.0):
@@ -52,7 +52,7 @@ def _outermost(cell: Array, size: int, points: Array, margin: float) -> tuple[Ve
             elif _across(first, apart) < 0:
                 first = apart
     middle = np.arctan2(first[1], first[0]) + _angle(first, last) / 2
-    return (np.cos(middle), np.sin(middle)), first, last, farthest
+    return (np.cos(middle), np.sin(middle)), first, last, np.sqrt(farthest)
 
 
 @compiled

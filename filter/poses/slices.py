@@ -9,7 +9,7 @@ All polygons have edges in the same directions and are given by their supports, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -75,13 +75,9 @@ class Slices(Table):
         """Return those of all other robots than some (k,)."""
         return self.select(~np.isin(self.robot, robots)) if len(self) else self
 
-    def replaced(self, tables: Mapping[int, Array]) -> Slices:
-        """Return those of some robots replaced by others: tables (g, 2 + COUNT) of centres, bounds and supports, by robots."""
-        robots = np.array(list(tables), dtype=np.int64)
-        whose = np.repeat(robots, [len(table) for table in tables.values()])
-        every = np.concatenate([np.zeros((0, 2 + COUNT)), *tables.values()])
-        found = Slices(whose, every[:, 0].copy(), every[:, 1].copy(), every[:, 2:].copy())
-        both = Slices.concatenate([self.without(robots), found])
+    def replaced(self, robots: Integers, others: Slices) -> Slices:
+        """Return those of some robots (k,) replaced by others of theirs."""
+        both = Slices.concatenate([self.without(robots), others])
         return both.select(np.argsort(both.robot, kind="stable"))
 
     def moved(self, odometry: Odometry | None, team: Team, duration: float) -> Slices:

@@ -6,7 +6,7 @@ from filter.arrays import Frozen, Integers
 from filter.geometry.angles import AngularIntervals
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
-from filter.poses.cells import ByCases
+from filter.poses.cells import Cases
 from filter.poses.slices import Slices
 from filter.sensing.arms import Arms
 from filter.sensing.readings import Readings
@@ -55,5 +55,5 @@ class Merged(Frozen):
     polytope: Polytope
     headings: AngularIntervals
     slices: Slices
-    evidence: tuple[ByCases | Directions, ...]
+    evidence: tuple[Cases | Directions, ...]
     wide: Integers

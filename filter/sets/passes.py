@@ -17,7 +17,7 @@ from filter.geometry.angles import AngularIntervals
 from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
-from filter.poses.cells import ByCases, Most, Places, Told, by_cases
+from filter.poses.cells import Cases, Most, Scene, Told
 from filter.poses.slices import NARROW_ALONE, NARROW_HEADING, Slices
 from filter.poses.split import WORTH_A_SLICE
 from filter.sensing.arms import Arms
@@ -81,17 +81,20 @@ class Merger(Frozen):
         """
         placed = self._placed()
         sliced = placed._sliced()
-        start, cases = placed._in_cells(sliced, self.most, is_over) if len(sliced) else (placed, [])
+        start, evidence = placed, list[Cases]()
+        if len(sliced):
+            start, cases = start._in_cells(sliced, self.most, is_over)
+            evidence.append(cases)
         merged, passes = start._settled(is_over)
         wide = placed._wide(merged, passes[-1], sliced) if self.most.cells else NO_ROBOTS
         others = np.setdiff1d(wide, sliced)
         if self.readings.since is None and len(others) and not is_over():
-            start, more = start._in_cells(others, Most(self.most.cells, 0), is_over)
+            start, cases = start._in_cells(others, Most(self.most.cells, 0), is_over)
             merged, passes = start._settled(is_over)
-            cases += more
+            evidence.append(cases)
         headings = passes[-1].headings
         slices = start.slices.without(np.flatnonzero(headings.bound <= self._narrow))
-        return Merged(merged, headings, slices, (*cases, *passes), wide)
+        return Merged(merged, headings, slices, (*evidence, *passes), wide)
 
     def _sliced(self) -> Integers:
         """Return the robots of whose poses there are to be slices: with a wide heading, and something to narrow it by."""
@@ -176,29 +179,22 @@ class Merger(Frozen):
         least, greatest = self.readings.ranges.interval()
         return np.asarray(least * (1 - np.cos(read.arcs.bound)) / np.maximum(greatest - least, SMALLEST_BAND))
 
-    def _in_cells(self, robots: Integers, most: Most, is_over: Callable[[], bool]) -> tuple["Merger", list[ByCases]]:
+    def _in_cells(self, robots: Integers, most: Most, is_over: Callable[[], bool]) -> tuple["Merger", Cases]:
         """Return what is merged into what cells leave of some robots' poses, and why."""
-        headings = self._looks
+        headings, time = self._looks, self.readings.ranges.time
         told = Told.of(self.readings, headings, self.spacing, Arms.of(self.readings, headings, len(headings)))
-        places = Places(self.polytope, told, robots, self.landmarks)
-        numbers, cases, rows = self.numbers[len(self.numbers) - len(headings) :], list[ByCases](), [self.polytope.constraints]
-        for robot in robots.tolist():
-            if is_over():
-                break
-            one = np.array([robot])
-            case = by_cases(places, self.sources, robot, self.slices.of(robot), most)
-            looks = headings[one].intersection(AngularIntervals(*case.heading[:, None])) if case else None
-            if case is None or looks is None or looks.empty.any():
-                time = self.readings.ranges.time
-                before = Source("region", time, robot), Source("heading", time, robot)
-                raise Inconsistent(f"at {time} s", [*before, *self.readings.concerning(robot)])
-            places.take(case)
-            rows.append(case.constraints(numbers[robot]))
-            headings = headings.replaced(one, looks)  # the hull of cells may have lost a gap that was known
-            cases.append(case)
-        known = self.polytope.with_constraints(Constraints.concatenate(rows))
-        slices = self.slices.replaced({case.robot: case.slices for case in cases}) if most.taken_along else self.slices
-        return replace(self, polytope=known, headings=headings, slices=slices), cases
+        scene = Scene(self.polytope, self.sources, told, self.landmarks, self.slices)
+        cases, nowhere = scene.in_cells(robots, most, is_over)
+        looks = headings[cases.robot].intersection(cases.headings)  # the hull of cells may have lost a gap that was known
+        if nowhere < 0 and looks.empty.any():
+            nowhere = int(cases.robot[looks.empty][0])
+        if nowhere >= 0:
+            before = Source("region", time, nowhere), Source("heading", time, nowhere)
+            raise Inconsistent(f"at {time} s", [*before, *self.readings.concerning(nowhere)])
+        numbers = self.numbers[len(self.numbers) - len(headings) :][cases.robot]
+        known = self.polytope.with_constraints(Constraints.concatenate([self.polytope.constraints, cases.constraints(numbers)]))
+        slices = self.slices.replaced(cases.robot, cases.slices) if most.taken_along else self.slices
+        return replace(self, polytope=known, headings=headings.replaced(cases.robot, looks), slices=slices), cases
 
     def _pass(self, known: Polytope, arms: Arms | None) -> tuple[Polytope, Directions]:
         """Return the polytope with rows, from what is known of the team and of sensors' places, and what of that was read.

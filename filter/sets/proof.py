@@ -12,7 +12,7 @@ from filter.arrays import Array, Frozen, Integers
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
-from filter.poses.cells import ByCases
+from filter.poses.cells import Cases
 from filter.projection.claims import Outlines, Weights
 from filter.sets.merged import Directions
 
@@ -71,7 +71,7 @@ class Proof(Frozen):
         return self.weights.rests_on(claim)
 
 
-Evidence = Proof | ByCases | Directions
+Evidence = Proof | Cases | Directions
 
 
 def causes_of(proofs: Sequence[Proof], time: float, line: Line, otherwise: set[Source]) -> set[Source]:

@@ -105,7 +105,8 @@ class SetMembershipFilter(Frozen):
 
         The options are its other attributes, and those that are to be different after all.
         """
-        return cls(team, **{"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, "cells": 16, **options})
+        light = {"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, "cells": 16, "slices": 4}
+        return cls(team, **light | options)
 
     def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.poses.cells import ByCases, Most, Places, Told, by_cases
+from filter.poses.cells import ByCases, Most, Scene, Told
 from filter.poses.slices import Slices
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
@@ -27,9 +27,9 @@ def left(box, marks, records, heading=(0.0, np.pi), *, cells=64, spacing=COARSE)
     team = Team(1, marks, 0.5, 1.0)
     belief = SetMembershipFilter(team).start(0.0, [Polygon.box(*box)], arc)
     told = Told.of(Readings.of(0.0, records), arc, spacing)
-    return by_cases(
-        Places(belief.polytope, told, np.array([0]), team.landmarks), belief.sources, 0, Slices.none(), Most(cells, 0)
-    )
+    scene = Scene(belief.polytope, belief.sources, told, team.landmarks, Slices.none())
+    found, nowhere = scene.in_cells(np.array([0]), Most(cells, 0))
+    return found[0] if nowhere < 0 else None
 
 
 def beside(rng, box, where):

@@ -12,7 +12,7 @@ from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.sources import Source
 from filter.poses.cell import CELL_CORNERS, Scale, cut
-from filter.poses.cells import Most, Places, Told, as_sets, by_cases
+from filter.poses.cells import Most, Scene, Told, as_sets
 from filter.poses.slices import Slices
 from filter.sensing.readings import Readings
 from filter.sets.set_membership import SetMembershipFilter
@@ -63,9 +63,9 @@ def found(team, boxes, headings, records, robot=0):
     told = Told.of(Readings.of(0.0, records), headings, SPACING)
     if not (told.robot == robot).any():
         return None
-    return by_cases(
-        Places(belief.polytope, told, np.array([robot]), team.landmarks), belief.sources, robot, Slices.none(), Most(64, 0)
-    )
+    scene = Scene(belief.polytope, belief.sources, told, team.landmarks, Slices.none())
+    cases, nowhere = scene.in_cells(np.array([robot]), Most(64, 0))
+    return cases[0] if nowhere < 0 else None
 
 
 @given(

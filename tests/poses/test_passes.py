@@ -15,7 +15,7 @@ from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
-from filter.poses.cells import ByCases
+from filter.poses.cells import Cases
 from filter.records.record import field_names
 from filter.sensing.readings import Readings
 from filter.sensing.rows import WIDENING
@@ -47,7 +47,7 @@ def areas(merged):
 
 
 def in_cells(merged):
-    return [each.robot for each in merged.evidence if isinstance(each, ByCases)]
+    return [case.robot for each in merged.evidence if isinstance(each, Cases) for case in each]
 
 
 def passes(merged):
@@ -215,6 +215,6 @@ def test_a_compass_that_says_nothing_new_for_long_is_no_reason_for_cells(seed):
     """With constant errors a heading stays as wide as a bearing's bound, and no wider."""
     run = from_simulator(episode(errors="bias", seed=seed, duration=4.0), 10.0)
     beliefs = [step.belief for step in steps(SetMembershipFilter(run.team), run)]
-    in_cells = [any(isinstance(proof, ByCases) for proof in belief.proofs) for belief in beliefs]
+    in_cells = [any(isinstance(proof, Cases) for proof in belief.proofs) for belief in beliefs]
     assert np.median([belief.headings.bound for belief in beliefs]) > 0.9 * np.radians(3)
     assert sum(in_cells) < len(beliefs) / 4

@@ -50,7 +50,8 @@ def test_the_truth_is_in_a_slice_whatever_happens(seed):
     filter_ = SetMembershipFilter(world.team, slices=slices, cells=cells, pairs=0)
     belief = filter_.start(0.0, world.initial_sets(), world.initial_headings(1.0) if rng.random() < 0.5 else None)
     for _ in range(6):
-        motion = without_some(rng, world.move(backwards=bool(rng.random() < 0.5)))
+        drives = rng.uniform(-0.09, 0.09, world.robots), rng.uniform(-0.3, 0.3, world.robots)  # within the limits, slip and all
+        motion = without_some(rng, world.drive(*drives, 0.2))
         belief = filter_.predict(belief, world.time, motion)
         check(belief, world.positions, world.headings)
         told, dropped = world.measure(compasses=bool(rng.random() < 0.1)), rng.choice([Bearing, Range, Compass])

@@ -208,7 +208,9 @@ class Case:
         keep = [("pair", i, j) in held and moved[i] and moved[j] for i, j in zip(rows.i.tolist(), rows.j.tolist(), strict=True)]
         pairs = rows.select(np.flatnonzero(np.array(keep, dtype=bool) & (rows.i != WORLD)))
         both = type(rows).concatenate([belief.constraints, replace(pairs, source=np.zeros(len(pairs), dtype=int))])
-        belief = replace(belief, polytope=belief.polytope.with_constraints(both), proofs=self.before.proofs)
+        slices = self.before.slices.without(np.flatnonzero(~(sets & of("heading") & turned & of("arena"))))
+        polytope = belief.polytope.with_constraints(both)
+        belief = replace(belief, polytope=polytope, proofs=self.before.proofs, slices=slices)
         return _within(belief, of("arena") & moved)
 
     def _moved(self, filter_, belief, of) -> Belief:

@@ -16,7 +16,7 @@ QUESTIONS = {
     "Against a Kalman filter": ("ekf_comparison",),
     "Real robots": ("mrclam", "mrclam_sweep", "mrclam_margins", "calibrate"),
     "The paper": ("static_localization", "search_strategy"),
-    "How tight, how fast": ("tightness", "scaling", "benchmark", "certified_bounds"),
+    "How tight, how fast": ("tightness", "range_only", "scaling", "benchmark", "certified_bounds"),
 }
 
 

@@ -32,6 +32,7 @@ class Outcome:
         seconds: (k,) how long each step took [s].
         last: (n) the regions after the last step.
         checks: What was held against the truth.
+        events: What the filter told, and when [s].
     """
 
     scene: Scene
@@ -40,6 +41,7 @@ class Outcome:
     seconds: Array
     last: tuple[Polygon, ...]
     checks: Checks
+    events: tuple[tuple[float, Any], ...]
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -47,7 +49,7 @@ class Outcome:
 
 def followed(filter_: Filter[Any], scene: Scene) -> Outcome:
     """Return what a filter makes of a scene; raises what the filter raises."""
-    checks, areas, arcs, seconds = Checks(), list[list[float]](), list[Array](), list[float]()
+    checks, areas, arcs, seconds, events = Checks(), list[list[float]](), list[Array](), list[float](), list[Any]()
     belief = filter_.start(0.0, scene.initial, scene.headings)
     last = tuple(outers(belief))
     for step in follow(filter_, belief, scene.frames, perf_counter):
@@ -58,7 +60,8 @@ def followed(filter_: Filter[Any], scene: Scene) -> Outcome:
         areas.append([outer.area for outer in last])
         arcs.append(step.belief.headings.bound)
         seconds.append(step.seconds)
-    return Outcome(scene, np.array(areas), np.array(arcs), np.array(seconds), last, checks)
+        events += [(step.frame.time, event) for event in step.belief.events]
+    return Outcome(scene, np.array(areas), np.array(arcs), np.array(seconds), last, checks, tuple(events))
 
 
 @dataclass(frozen=True, eq=False)

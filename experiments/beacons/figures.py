@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from experiments.against_ekf.figures import BARE, FAINT, INK, LOOK, PALE, SETS, TUNED
+from experiments.beacons.climbing import AtMost
 from experiments.beacons.outcomes import Outcome, Verdict, rings_of, sights_of
 from experiments.beacons.rings import Rings
 from experiments.beacons.scenes import DT
@@ -115,13 +116,20 @@ def _ratios(axes: Axes, found: Found) -> None:
     by_anchors: dict[str, list[float]] = {}
     for outcome, verdict in verdicts_on(found, "alone"):
         by_anchors.setdefault(str(len(outcome.scene.team.landmarks)), []).append(verdict.ratio)
+    by_anchors["teams"] = [
+        ratio for _, verdict in found if isinstance(verdict, AtMost) for ratio in verdict.ratios if np.isfinite(ratio)
+    ]
     by_anchors["bearings"] = [verdict.ratio for _, verdict in verdicts_on(found, "bearings")]
     for at, ratios in enumerate(by_anchors.values()):
         spread = at + np.linspace(-0.25, 0.25, len(ratios))
         axes.plot(spread, np.sort(ratios), "o", color=SETS, markersize=3)
     axes.axhline(GOAL, color=FAINT, linewidth=1, linestyle=(0, (4, 2)))
     axes.set_xticks(range(len(by_anchors)), list(by_anchors))
-    axes.set(title="Area over that of the exact hull", xlabel="anchors", ylim=(0.98, None))
+    axes.set(
+        title="Area over that of the exact hull",
+        xlabel="anchors of one robot; a team of four, at most; bearings",
+        ylim=(0.98, None),
+    )
 
 
 def _over_time(axes: Axes, found: Found, what: str) -> None:

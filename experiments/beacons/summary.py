@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from rich.table import Table
 
+from experiments.beacons.climbing import AtMost
 from experiments.beacons.outcomes import Outcome, Verdict, is_known, total
 from experiments.following.metrics import Value, rounded
 from experiments.show.terminal import show_table
 from filter import Array
 
-Found = Sequence[tuple[Outcome, Verdict | None]]
+Found = Sequence[tuple[Outcome, Verdict | AtMost | None]]
 # Each kind of scene, in words, and how many of its steps are left out of areas and headings.
 KINDS = {
     "alone": ("one robot stands among 3 to 8 anchors", 0),
@@ -31,21 +32,23 @@ def of_kind(found: Found, kind: str) -> list[Outcome]:
 
 def verdicts_on(found: Found, kind: str) -> list[tuple[Outcome, Verdict]]:
     """Return what came of the scenes of a kind with the verdicts of judges that know enough."""
-    judged = [(outcome, verdict) for outcome, verdict in found if outcome.scene.kind == kind and verdict is not None]
+    judged = [(outcome, verdict) for outcome, verdict in found if isinstance(verdict, Verdict) and outcome.scene.kind == kind]
     return [(outcome, verdict) for outcome, verdict in judged if is_known(verdict)]
 
 
 def summary_of(found: Found) -> dict[str, Value]:
     """Return flat values with units in their names."""
-    verdicts = [verdict for _, verdict in found if verdict is not None]
+    verdicts = [verdict for _, verdict in found if isinstance(verdict, Verdict)]
+    teams = np.array([verdict.ratios for _, verdict in found if isinstance(verdict, AtMost)]).ravel()
     known = [verdict for verdict in verdicts if is_known(verdict)]
     summary: dict[str, Value] = {
         **total([outcome for outcome, _ in found]),
-        **_ratios("area_over_exact_standing", verdicts_on(found, "alone")),
-        **_ratios("bearings_over_exact", verdicts_on(found, "bearings")),
+        **_ratios("area_over_exact_standing", [verdict.ratio for _, verdict in verdicts_on(found, "alone")]),
+        **_ratios("team_area_over_exact_at_most", teams[np.isfinite(teams)]),
+        **_ratios("bearings_over_exact", [verdict.ratio for _, verdict in verdicts_on(found, "bearings")]),
         **{f"exact_price_of_one_lie_{lies}_median": _price(found, lies) for lies in ("any", "long")},
         "judge_error_max": max((rounded(verdict.error) for verdict in known), default=None),
-        "not_judged": len(verdicts) - len(known),
+        "not_judged": len(verdicts) - len(known) + int(np.isinf(teams).sum()),
         "standing_again_over_first": _again(of_kind(found, "standing")),
     }
     for kind in KINDS:
@@ -53,9 +56,8 @@ def summary_of(found: Found) -> dict[str, Value]:
     return summary
 
 
-def _ratios(name: str, verdicts: Sequence[tuple[Outcome, Verdict]]) -> dict[str, Value]:
+def _ratios(name: str, ratios: Sequence[float] | Array) -> dict[str, Value]:
     """Return the greatest ratio of areas under the name itself, and beside it the 95 % and the median."""
-    ratios = [verdict.ratio for _, verdict in verdicts]
     return {
         name: _quantile(ratios, 1.0),
         f"{name}_p95": _quantile(ratios, 0.95),

@@ -34,6 +34,7 @@ def test_the_summary_has_all_that_is_asked_for_and_nothing_that_nobody_measures(
     assert 1 <= summary["area_over_exact_standing_median"] <= summary["area_over_exact_standing_p95"]
     assert summary["area_over_exact_standing_p95"] <= summary["area_over_exact_standing"]
     assert 1 <= summary["bearings_over_exact"] <= 1.5
+    assert 1 <= summary["team_area_over_exact_at_most_median"] <= summary["team_area_over_exact_at_most"] < 1.2
     assert 0 < summary["judge_error_max"] < 0.01
     assert summary["exact_price_of_one_lie_any_median"] > summary["exact_price_of_one_lie_long_median"] > 1
     assert 0.9 < summary["standing_again_over_first"] <= 1 + 1e-6

@@ -1,8 +1,8 @@
 """How much do ranges alone tell? Robots that stand or drive among anchors, held against the exact sets of all that is possible.
 
 Run `python -m experiments.range_only --help`. The exit code is the guarantee: 0 only if no position and no heading was ever
-outside what the filter claimed; 1 otherwise; 2 for bad input. What is drawn, how the judges work and what came out is in
-docs/performance.md.
+outside what the filter claimed; 1 for one that was; 4 if the guarantee was suspended; 2 for bad input. What is drawn, how the
+judges work and what came out is in docs/performance.md.
 
 The key `area_over_exact_standing` of the summary is the strictest there is: of all robots that stand alone among anchors, the
 greatest ratio of the filter's area to the area of the exact convex hull, and the hull's at the least that its error allows.
@@ -44,7 +44,8 @@ FILTERS: dict[str, Any] = {"sets": SetMembershipFilter, "robust": RobustFilter}
 class Options:
     """Localize robots by ranges alone: standing alone or as a team, driving with and without a known heading.
 
-    Exit code 0 only if no position and no heading was ever outside what the filter claimed; 1 otherwise; 2 for bad input.
+    Exit code 0 only if no position and no heading was ever outside what the filter claimed; 1 for one that was; 4 if the
+    guarantee was suspended; 2 for bad input.
     """
 
     draws: int = 20
@@ -129,7 +130,7 @@ def no_judge(_: Outcome) -> None:
 
 
 def scenes_of(options: Options) -> Iterator[Scene]:
-    """Yield all scenes; each is drawn from a seed of its own, so that more of one kind change none of another."""
+    """Yield all scenes; each is drawn by a generator of its own, so that more of one kind change none of another."""
     seeds, bound = [options.seed], options.range_bound
     for draw in range(options.draws):
         for anchors in ANCHORS:

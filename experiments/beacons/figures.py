@@ -42,7 +42,7 @@ def draw_figure(folder: Path, found: Found) -> None:
         _over_time(panels[4], found, "areas")
         _over_time(panels[5], found, "arcs")
         for axes in panels[[0, 1, 2, 4, 5]]:
-            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), fontsize=9)
+            axes.legend(*axes.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.12), fontsize=9)
         figure.savefig(folder / "range_only.png")
 
 

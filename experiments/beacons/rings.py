@@ -34,8 +34,8 @@ class Rings:
 
     def __post_init__(self) -> None:
         freeze(self)
-        if not np.isfinite(self.centres).all() or np.isnan([self.least, self.greatest]).any():
-            raise InvalidInput("rings with finite centres and bounds that are numbers", "others")
+        if not len(self.least) or not np.isfinite(self.centres).all() or np.isnan([self.least, self.greatest]).any():
+            raise InvalidInput("one ring or more, with finite centres and bounds that are numbers", "others")
 
     @classmethod
     def measured(cls, centres: Array, ranges: Array, bound: Array | float) -> Rings:

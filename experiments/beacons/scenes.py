@@ -11,6 +11,7 @@ from itertools import count, islice
 
 import numpy as np
 
+from experiments.following.frozen import freeze
 from filter import AngularIntervals, Array, Bearing, Frame, Odometry, Polygon, Range, Team, Truth, wrap
 
 ARENA = np.array([[-3.0, -3.0], [13.0, 12.0]])  # of those that stand [m]; they can be anywhere in it at the start
@@ -97,6 +98,9 @@ class Drive:
     sight: float
     known: float | None
     seed: int
+
+    def __post_init__(self) -> None:
+        freeze(self)
 
     def drawn(self, seeds: Sequence[int], steps: int, bound: float) -> Scene:
         """Return a scene of so many steps, ranges off by a bound [m] at most; all randomness comes from seeds and its own."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers.beacons.hulls import is_within
 
+from experiments.beacons import climbing
 from experiments.beacons.arcs import area_of
 from experiments.beacons.climbing import Distances, at_most, reached
 from experiments.beacons.outcomes import followed, judged, rings_of
@@ -60,6 +61,14 @@ def test_a_range_that_does_not_hold_is_noticed():
     distances, places = Distances.of(scene), scene.frames[0].truth.positions
     assert not distances.hold(places + np.array([[0.3, 0], [0, 0], [0, 0], [0, 0]]))
     assert (distances.slack(places.ravel()) >= 0).all() == distances.hold(places)
+
+
+def test_a_climber_that_leaves_what_is_possible_is_not_believed(monkeypatch):
+    scene = team_that_stands(np.random.default_rng(1), 0.1)
+    distances, places = Distances.of(scene), scene.frames[0].truth.positions
+    monkeypatch.setattr(climbing, "_climbed", lambda _, start, robot, angle: start + 0.5)
+    assert reached(distances, places, 2).tolist() == [places[2].tolist()]
+    assert np.isinf(at_most(followed(SetMembershipFilter(scene.team), scene)).ratios).all()
 
 
 def test_outside_the_arena_nobody_is():

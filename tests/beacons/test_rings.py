@@ -162,6 +162,12 @@ def test_a_lie_is_survived_and_a_second_one_is_not():
     assert len(two.around) == 0 or not is_within(two.around, place[None])[0]
 
 
+def test_a_single_range_that_may_lie_says_nothing_or_how_near_it_is():
+    rings = Rings.measured(np.array([[0.0, 0.0]]), np.array([2.0]), 0.1)
+    assert tolerant_hull(rings, BOX, "any").least == pytest.approx(13.0 * 12.0)
+    assert tolerant_hull(rings, BOX, "long").least == pytest.approx(np.pi * 2.1**2, rel=1e-3)
+
+
 @settings(max_examples=15)
 @given(seeds)
 def test_it_does_not_matter_where_the_origin_is_how_all_is_turned_and_in_which_units(seed):
@@ -184,6 +190,7 @@ def test_corners_and_areas_of_few_points():
     assert len(corners_of(square)) == 4
 
 
-def test_numbers_that_are_none_are_refused():
-    with pytest.raises(InvalidInput, match="finite centres"):
-        Rings(np.array([[np.nan, 0.0]]), np.zeros(1), np.ones(1))
+@pytest.mark.parametrize("centres", [[[np.nan, 0.0]], np.zeros((0, 2))], ids=["no number", "none"])
+def test_what_makes_no_rings_is_refused(centres):
+    with pytest.raises(InvalidInput, match="one ring or more"):
+        Rings(np.array(centres), np.zeros(len(centres)), np.ones(len(centres)))

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.own_data.tiers import BAGS, STANDING, needs_bags
-from helpers.recordings import rerun
+from helpers.recordings import rerun, rows_of
 
 from experiments.convert import main as convert
 from experiments.show.command import BAD_INPUT, SUSPENDED
@@ -70,7 +70,11 @@ def test_a_range_that_is_too_long_is_dropped_and_said(log):
     assert summary["rejected"] == summary["rejected_of_the_liar"] == 10
     assert summary["first_rejected"].startswith("range of 3 to 1 at 10.500 s")
     assert summary["guarantee_suspended_since_s"] == pytest.approx(10.5)
-    assert rerun("verify", str(path.parent / "out/standing_team.rrd")).returncode == 0
+    recording = path.parent / "out/standing_team.rrd"
+    assert rerun("verify", str(recording)).returncode == 0
+    told = [row["value"][0] for row in rows_of(recording, "/events", "TextLog:text")]
+    assert sum("headings known to +-180 degrees" in text for text in told) == 1
+    assert sum("rejected range of 3 to 1" in text for text in told) == 10
     assert (path.parent / "out/standing_team.png").read_bytes().startswith(b"\x89PNG")
 
 

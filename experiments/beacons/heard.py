@@ -121,17 +121,30 @@ def lied(said: Heard, lie: Lie, liar: tuple[int, int], since: float) -> Heard:
             to the right, though nobody knows, for good.
         liar: Who measures, and whom.
         since: From when on [s].
+
+    Raises:
+        InvalidInput: Nothing was measured then that could lie.
     """
-    robot, target = liar
     if lie == "none":
         return said
-    if lie == "longer":
-        which = (said.robot == robot) & (said.target == target) & (said.time > since) & (said.time <= since + LASTS)
-        return replace(said, length=said.length + LIES[lie] * which)
+    added = _longer(said, liar, since) if lie == "longer" else _moved(said, liar[1], since)
+    if not added.any():
+        who, whom = (said.names[each] for each in liar)
+        raise InvalidInput(f"ranges of {who} to {whom} after {since:g} s, for a lie", "none")
+    return replace(said, length=said.length + added)
+
+
+def _longer(said: Heard, liar: tuple[int, int], since: float) -> Array:
+    robot, target = liar
+    which = (said.robot == robot) & (said.target == target) & (said.time > since) & (said.time <= since + LASTS)
+    return LIES["longer"] * which
+
+
+def _moved(said: Heard, target: int, since: float) -> Array:
+    """Return by how much each range is longer as one of the robots is elsewhere than where it is known."""
     places = said.places.copy()
-    places[target] += [LIES[lie], 0.0]
-    moved = replace(said, places=places)  # it is still known by where it was
-    return replace(said, length=said.length + np.where(said.time > since, said.error - moved.error, 0.0))
+    places[target] += [LIES["moved"], 0.0]
+    return np.where(said.time > since, said.error - replace(said, places=places).error, 0.0)
 
 
 def scene_of(said: Heard, anchors: Sequence[int], limits: Array, since: float, every: float) -> Scene:

@@ -59,6 +59,12 @@ def test_a_longer_range_is_one_for_five_seconds():
     assert lied(heard, "none", (2, 0), 12.0) is heard
 
 
+@pytest.mark.parametrize("lie", ["longer", "moved"])
+def test_a_lie_that_nobody_would_hear_is_refused(lie):
+    with pytest.raises(InvalidInput, match="ranges of c to a after 30 s, for a lie"):
+        lied(said(), lie, (2, 0), 30.0)
+
+
 def test_one_that_was_moved_is_measured_where_it_is_and_known_where_it_was():
     heard = said()
     moved = lied(heard, "moved", (2, 0), 12.0)

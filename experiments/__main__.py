@@ -14,9 +14,9 @@ QUESTIONS = {
     "A moving team": ("moving_team", "prove", "watch"),
     "Your own data": ("sample", "convert"),
     "Against a Kalman filter": ("ekf_comparison",),
-    "Real robots": ("mrclam", "mrclam_sweep", "mrclam_margins", "calibrate"),
+    "Real robots": ("mrclam", "mrclam_sweep", "mrclam_margins", "calibrate", "standing_team"),
     "The paper": ("static_localization", "search_strategy"),
-    "How tight, how fast": ("tightness", "scaling", "benchmark", "certified_bounds"),
+    "How tight, how fast": ("tightness", "range_only", "scaling", "benchmark", "certified_bounds"),
 }
 
 

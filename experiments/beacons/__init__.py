@@ -1,0 +1,1 @@
+"""Parts of `experiments.range_only`: exact judges, scenes, what filters make of them, figures and a recording."""

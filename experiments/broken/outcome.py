@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.broken.episodes import Episode
-from experiments.broken.fault import KINDS, Fault, Kind
+from experiments.broken.fault import KINDS, OF_INSTANTS, Fault, Kind
 from experiments.broken.judge import Judge
 from experiments.broken.named import innocents, named_by, names_the_culprit
 from experiments.following.located import inside, outers
@@ -145,8 +145,10 @@ def first_provable(episode: Episode, steps: Sequence[Step[Belief]]) -> int | Non
     if when:
         belief = steps[when - 1].belief
         regions, headings = outers(belief), belief.headings
-    judge = Judge.of(episode.team, regions, headings)
-    for number, frame in enumerate(episode.frames[when:], when):
+    judge, last = Judge.of(episode.team, regions, headings), len(episode.frames)
+    if episode.fault.kind in OF_INSTANTS:  # nothing is wrong any more when it is over, and nothing could be proved
+        last = int(episode.fault.until)
+    for number, frame in enumerate(episode.frames[when:last], when):
         judge = judge.after(frame)
         if judge.proves(frame):
             return number

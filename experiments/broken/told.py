@@ -132,5 +132,6 @@ def sentence(outcomes: Sequence[Outcome]) -> str:
     )
     told = f"{lost} in force and the fault could be proved" if wrong else kept
     median = frames_until_right(beyond)
-    soon = "" if median is None else f", {median:g} good frames after the fault in the median"
-    return f"{told}; of {len(beyond)} large faults the filter was right in the end after {right}{soon}."
+    soon = "" if median is None else f", in the median after {median:g} frames"
+    share_right = f"After {right} of {len(beyond)} large faults the filter was right within {SOON} good frames and at the end"
+    return f"{told}. {share_right}{soon}."

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.promises import broken_promises
+from helpers.drawn.promises import broken_promises
 
 from experiments.broken.episodes import BEFORE, NEVER, Episode
 from experiments.broken.fault import HARDLY, KINDS, LARGE, LASTING, OF_NAMES, SMALL, TURNED, checked_kind
@@ -83,6 +83,12 @@ def test_episodes_go_on_after_the_fault_and_robots_stay_inside(kind):
         assert fault.lasts or fault.until - fault.when == (fault.until - fault.when if kind in ("compass", "misread") else 1)
         assert max(np.abs(frame.truth.positions).max() for frame in episode.frames) < HALF
         assert [frame.time for frame in episode.frames] == list(range(count))
+
+
+def test_wheels_that_tell_too_little_have_slid_and_none_tells_of_a_way_back():
+    for seed in range(12):
+        for frame in drawn(seed, "slip").frames[1:]:
+            assert (frame.odometry.distance > 0.2).all()
 
 
 def test_all_landmarks_are_in_view_of_all_or_some_of_some():

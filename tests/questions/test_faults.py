@@ -23,12 +23,13 @@ SLIP = Fault("slip", 3, 4.0, below=False, robot=0, offset=(1.0, 0.0))
 BIASED = Fault("biased", 3, np.inf, below=False, robot=1, turn=0.5)
 GOOD, LOST, MUTE, HONESTLY_LOST = "good", "lost", "mute", "honestly lost"
 NAMED, SLANDER = "named", "slander"
+AREA = {MUTE: 7.0, HONESTLY_LOST: 9.0}
 
 
 def moment(what):
     outside = np.array([False, what in (LOST, HONESTLY_LOST), False])
     in_force = np.array([True, what not in (MUTE, HONESTLY_LOST), True])
-    return Moment(outside, in_force, what == NAMED, what == SLANDER)
+    return Moment(outside, in_force, what == NAMED, what == SLANDER, AREA.get(what, 0.1))
 
 
 def verdict(fault, *moments, frames=None, provable=None):
@@ -62,6 +63,14 @@ def test_right_is_in_force_and_inside_soon_and_in_the_end():
     assert not verdict(SLIP, *early, *late, frames=40).right
     never = verdict(SLIP, *early, *[HONESTLY_LOST] * 9)
     assert (never.right, never.first_right) == (False, None)
+
+
+def test_areas_are_those_before_the_fault_where_they_are_largest_and_in_the_end():
+    found = verdict(SLIP, HONESTLY_LOST, GOOD, GOOD, GOOD, MUTE, GOOD)
+    assert (found.area_before, found.area_most, found.area_end) == (0.1, 7.0, 0.1)
+    at_once = verdict(replace(SLIP, kind="start", when=0, until=1.0), MUTE, HONESTLY_LOST)
+    assert (at_once.area_before, at_once.area_most, at_once.area_end) == (None, 9.0, 9.0)
+    assert verdict(SLIP, frames=9).area_end is None
 
 
 def test_of_what_lasts_the_culprit_has_to_be_named_and_frames_count_from_its_beginning():
@@ -139,6 +148,7 @@ def test_shares_are_of_large_faults_and_small_ones_are_told_apart():
     assert found["right_share_by_kind"] == {"slip": 0.5, "biased": 1.0}
     assert (found["right_share_below"], found["right_share_below_by_kind"]) == (0.0, {"slip": 0.0})
     assert (found["share_proved"], found["share_proved_below"]) == (1.0, 0.0)
+    assert (found["area_before_median_m2"], found["area_most_median_m2"]) == (0.1, 0.1)
     assert (found["culprit_named_share"], found["frames_until_right_median"]) == (1.0, 0.0)
     assert summary_of(4, 0, [some(small)])["right_share"] is None
 

@@ -258,3 +258,8 @@ def test_a_recording_of_one_episode_is_made_if_asked_for(monkeypatch, tmp_path):
 )
 def test_options_that_cannot_be_used_are_bad_input(wrong, tmp_path):
     assert faults.main([*wrong, "--out", str(tmp_path)]) == 2
+
+
+def test_a_kind_has_the_same_episodes_whatever_other_kinds_there_are():
+    some, every = faults.Options(episodes=2, kinds="swap"), faults.Options(episodes=16)
+    assert faults.cases_of(some) == [case for case in faults.cases_of(every) if case.kind == "swap"]

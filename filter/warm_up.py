@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from filter.compiled import MADE
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
@@ -17,7 +18,6 @@ from filter.records.measurements import Bearing, Compass, Measurement, Range
 from filter.records.odometry import Odometry
 from filter.records.relative import RelativeHeading
 from filter.robust.robust_filter import RobustFilter
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 # A small scene: robots that drive straight on among landmarks and see everything; at last a range comes alone, and is wrong.

@@ -1,4 +1,4 @@
 """The set-membership filter: predict, then headings, merge, prune, project.
 
-Read the modules in this order: regions, proof, belief, predict, refine, conflict, rejection, set_membership.
+Read the modules in this order: regions, suspect, proof, belief, predict, refine, conflict, set_membership.
 """

@@ -173,12 +173,16 @@ class Premises:
 
     @cached_property
     def _anywhere(self) -> Array:
-        """(2, 2) corners of a box far around all that is known."""
-        lower, upper, arena = self.before.polytope.lower, self.before.polytope.upper, self.team.arena
-        places = np.concatenate([lower, upper, self.team.landmarks, np.where(np.isfinite(arena), arena, lower[0])])
-        least, greatest = places.min(axis=0), places.max(axis=0)
-        far = FAR * max(1.0, float((greatest - least).max()))
-        return np.stack([least - far, greatest + far])
+        return anywhere(self.before, self.team)
+
+
+def anywhere(belief: Belief, team: Team) -> Array:
+    """Return (2, 2) corners of a box far around all that is known [m]."""
+    lower, upper, arena = belief.polytope.lower, belief.polytope.upper, team.arena
+    places = np.concatenate([lower, upper, team.landmarks, np.where(np.isfinite(arena), arena, lower[0])])
+    least, greatest = places.min(axis=0), places.max(axis=0)
+    far = FAR * max(1.0, float((greatest - least).max()))
+    return np.stack([least - far, greatest + far])
 
 
 def conflict_of(error: Inconsistent, cases: Sequence[Premises], dropped: Collection[Reading] = ()) -> Conflict:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from experiments.following.simulated import from_simulator
 from experiments.following.steps import steps
 from filter import Bearing, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
@@ -21,7 +22,6 @@ from filter.sensing.passes import Directions, are_smaller, boxed_at_a_glance, ma
 from filter.sensing.readings import Readings
 from filter.sensing.rows import WIDENING
 from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 from sim.episode import episode
 

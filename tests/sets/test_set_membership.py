@@ -7,6 +7,7 @@ from helpers.teams import BOX, TEAM, beliefs, estimator, odometry, snapshot, sta
 from helpers.worlds import World, escapes, outside_hull
 
 from filter import Bearing, Compass, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -14,7 +15,6 @@ from filter.linear.constraints import WORLD
 from filter.linear.sources import Source
 from filter.projection.stop import Stop
 from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 BAD_UPDATES = {

@@ -37,8 +37,8 @@ def output_folder(path: Path) -> Path:
     return path
 
 
-def write_summary(folder: Path, summary: Mapping[str, Value | Sequence[Value]]) -> None:
-    """Write `summary.json`, flat but for lists."""
+def write_summary(folder: Path, summary: Mapping[str, Value | Sequence[Value] | Mapping[str, Value]]) -> None:
+    """Write `summary.json`, flat but for lists, and for figures by the names of what there are several of."""
     write_whole(folder / "summary.json", json.dumps(summary, indent=2, allow_nan=False) + "\n")
 
 

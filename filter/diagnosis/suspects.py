@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from filter.diagnosis.told import Records, said
+from filter.diagnosis.told import Who, said
 from filter.linear.sources import Source
 from filter.records.frame import Frame
 from filter.sets.suspect import Suspect
@@ -11,8 +11,8 @@ from filter.sets.suspect import Suspect
 def suspects_of(conflict: Iterable[Source], frames: Sequence[Frame], robots: int, since: float) -> tuple[Suspect, ...]:
     """Return who can be wrong since a time [s], in an order of their own, in a conflict in a team of so many robots.
 
-    What was known of a robot rests on all that was measured by it and of it in the frames before: so these are suspected, too.
-    The arena is not.
+    What was known of a robot before the last frame rests on all that was measured by it and of it before that, and on what was
+    known of the mates that this ties it to: so these are suspected, too. The arena is not.
     """
     found, pasts = set[Suspect](), set[int]()
     for source in conflict:
@@ -24,9 +24,11 @@ def suspects_of(conflict: Iterable[Source], frames: Sequence[Frame], robots: int
             found |= _of_a_sighting(source.robot, source.target, robots, since)
         elif source.kind != "arena":
             pasts |= {source.robot} if source.target is None else {source.robot, source.target}
+    told = [said(tuple(frame.measurements)) for frame in frames[:-1]]
+    pasts |= {body for some in told for body in _mates(pasts, some) if body < robots}
     found |= {Suspect("past", robot, None, since) for robot in pasts}
-    for frame in frames:
-        found |= _behind(pasts, tuple(frame.measurements), robots, since)
+    for some in told:
+        found |= _behind(pasts, some, robots, since)
     return tuple(sorted(found, key=lambda suspect: suspect.who))
 
 
@@ -39,10 +41,16 @@ def _of_a_sighting(robot: int, target: int | None, robots: int, since: float) ->
     return found
 
 
-def _behind(pasts: set[int], records: Records, robots: int, since: float) -> set[Suspect]:
+def _mates(pasts: set[int], told: set[Who]) -> set[int]:
+    """Return the bodies that were seen by some robots, or have seen them."""
+    pairs = [{robot, target} for kind, robot, target in told if kind == "sighting" and target >= 0]
+    return {body for pair in pairs if pair & pasts for body in pair}
+
+
+def _behind(pasts: set[int], told: set[Who], robots: int, since: float) -> set[Suspect]:
     """Return who has a part in what was known of some robots."""
     found = set[Suspect]()
-    for kind, robot, target in said(records):
+    for kind, robot, target in told:
         if kind == "compass" and robot in pasts:
             found.add(Suspect("compass", robot, None, since))
         elif kind == "sighting" and target < 0 and robot in pasts:

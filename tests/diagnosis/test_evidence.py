@@ -62,9 +62,11 @@ def test_each_part_of_a_conflict_stands_for_who_can_be_wrong():
 
 def test_what_was_known_of_a_robot_rests_on_what_was_measured_by_it_and_of_it():
     frames = [Frame(1.0, None, [Compass(1.0, [0, 1], 0.0, 0.1), Range(1.0, [0, 1, 2], [4, 4, 0], 1.0, 0.1, 0.0)])]
-    found = who([Source("region", 2.0, 0)], frames)
+    last = Frame(2.0, None, [Range(2.0, 1, 5, 1.0, 0.1, 0.0)])
+    found = who([Source("region", 2.0, 0)], [*frames, last])
     assert found == {
-        *(("past", 0, -1), ("compass", 0, -1), ("sensor", 0, -1), ("sensor", 2, -1), ("body", -1, 4), ("body", -1, 0)),
-        *(("sighting", 0, 4), ("sighting", 2, 0), ("exchange", 0, 1)),
+        *(("past", 0, -1), ("past", 2, -1), ("compass", 0, -1), ("sensor", 0, -1), ("sensor", 2, -1)),
+        *(("body", -1, 4), ("body", -1, 0), ("sighting", 0, 4), ("sighting", 2, 0), ("exchange", 0, 1)),
     }
-    assert who([Source("compass", 2.0, 0)], frames) == {("compass", 0, -1)}
+    assert who([Source("region", 2.0, 0)], frames) == {("past", 0, -1)}
+    assert who([Source("compass", 2.0, 0)], [*frames, last]) == {("compass", 0, -1)}

@@ -12,8 +12,10 @@ from helpers.broken import culprit, drawn, followed, going_on, outside, stepped
 from helpers.teams import snapshot
 
 from experiments.broken.fault import KINDS
-from filter import Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
+from filter import Budget, Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
+from filter.diagnosis.judging import _acquitted
 from filter.diagnosis.quiet import MEMORY
+from filter.sets.belief import Hypothesis
 
 ROUNDING = 1e-9  # [m]
 SOON = 3  # so many frames can a fault be there before it is proved
@@ -186,3 +188,31 @@ def test_who_is_put_aside_is_trusted_again_when_all_has_agreed_for_long():
     assert ("guilty", ("compass", robot, -1)) in verdicts
     assert ("trusted again", ("compass", robot, -1)) in verdicts
     assert str(Judged(1.0, Suspect("compass", 2), "guilty", "proof")) == "guilty, by proof: compass of robot 2"
+
+
+def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays():
+    """Both of two suspects are acquitted by a third: their beliefs become one that contains both."""
+    episode, beliefs, _ = doubtful()
+    known = beliefs[-1].diagnosis
+    one, other, third = (Suspect("past", robot) for robot in range(3))
+    left, right = beliefs[1].alone, beliefs[2].alone
+    used = {("sensor", 0, -1): 99, ("sighting", 0, 4): 99, ("sighting", 0, 5): 99, ("body", -1, 1): 99, ("sighting", 1, 4): 1}
+    used |= {("sighting", 1, 5): 1, ("compass", 1, -1): 99}
+    cases = [Hypothesis((one,), left, {}), Hypothesis((other,), right, {}), Hypothesis((third,), left, used)]
+    now = replace(known, hypotheses=tuple(cases), metres=np.full(3, 9.0))
+    living, freed = _acquitted(now)
+    assert set(freed) == {one, other}
+    assert [case.is_over for case in living] == [False, True]
+    assert set(living[1].suspects) == {one, other}
+    for before in (left, right):
+        for hull, region in zip(living[1].belief.regions, before.regions, strict=True):
+            assert (region.outer.support(hull.outer.normals) <= hull.outer.offsets + ROUNDING).all()
+    assert episode.fault.kind == "misread"
+
+
+@pytest.mark.parametrize("landmarks", [4])
+def test_with_a_budget_that_is_over_at_once_the_truth_is_inside_all_the_same(landmarks):
+    episode, clock = drawn("moved", 1, landmarks), iter(range(10**9))
+    beliefs = followed(episode, going_on(episode.team, budget=Budget(0.5, lambda: float(next(clock)))), 24)
+    for belief, frame in zip(beliefs[episode.fault.when + 2 :], episode.frames[episode.fault.when + 2 :], strict=False):
+        assert not outside(belief, frame.truth).any()

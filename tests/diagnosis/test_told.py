@@ -47,6 +47,8 @@ def test_of_exchanged_markers_each_is_read_as_the_other_and_nobody_sees_itself()
     bearing = next(record for record in left if isinstance(record, Bearing))
     assert told([bearing]) == {("Bearing", 0, 2), ("Bearing", 0, 3), ("Bearing", 1, 3), ("Bearing", 2, 0)}
     assert bearing.bearing[bearing.target == 2].tolist() == [0.1]
+    assert ("Range", 0, 1) in told(left)
+    assert ("Range", 0, 2) not in told(left)
     left = told(without(Suspect("exchange", 0, 2), RECORDS))
     assert ("Range", 0, 0) not in left
     assert ("Bearing", 2, 2) not in left

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from filter.diagnosis.told import Records, counted, signature, without
+from filter.diagnosis.told import Records, Who, counted, signature, without
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Hypothesis, Recent
+from filter.sets.belief import Belief, Hypothesis, Recent, Used
 from filter.sets.suspect import Suspect
 
 TRIED_FIRST = (
@@ -56,8 +56,8 @@ def tried_again(strict: Strict, recent: Sequence[Recent], suspects: Sequence[Sus
         sensor and its body. So these come first. Those who leave out the same are one hypothesis.
     """
     frames = [frame for each in recent for frame in each.frames]
-    cases, known = dict[object, list[Suspect]](), dict[object, Belief | None]()
-    dead = set[tuple[str, int, int]]()
+    cases, known = dict[object, list[Suspect]](), dict[object, Hypothesis | None]()
+    dead = set[Who]()
     for suspect in sorted(suspects, key=lambda each: (TRIED_FIRST.index(each.kind), each.who)):
         if suspect.kind == "sighting" and dead & {("sensor", suspect.who[1], -1), ("body", -1, suspect.who[2])}:
             continue
@@ -68,7 +68,7 @@ def tried_again(strict: Strict, recent: Sequence[Recent], suspects: Sequence[Sus
         if known[case] is None:
             dead.add(suspect.who)
         cases.setdefault(case, []).append(suspect)
-    return tuple(Hypothesis(tuple(some), found) for case, some in cases.items() if (found := known[case]) is not None)
+    return tuple(replace(found, suspects=tuple(some)) for case, some in cases.items() if (found := known[case]) is not None)
 
 
 def _leavings(suspect: Suspect, instants: Sequence[Records]) -> list[Records]:
@@ -88,7 +88,7 @@ def _without_both(suspect: Suspect, records: Records) -> Records:
 
 def _replayed(
     strict: Strict, before: Belief, suspect: Suspect, frames: Sequence[Frame], left: Sequence[Records]
-) -> Belief | None:
+) -> Hypothesis | None:
     """Return what is known after some instants without a suspect; None if that cannot be."""
     belief = before
     try:
@@ -100,7 +100,7 @@ def _replayed(
             belief = strict.updated(belief, records)
     except Inconsistent:
         return None
-    return belief
+    return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1]))
 
 
 def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | None:
@@ -128,9 +128,13 @@ def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool
     for case, suspects in groups.items():
         belief = _merged(strict, each.belief, suspects[0], left[case], is_early=is_early)
         if belief is not None:
-            told = _without_both(suspects[0], left[case]) if suspects[0].kind == "exchange" else left[case]
-            found.append(Hypothesis(tuple(suspects), belief, counted(each.used, told)))
+            found.append(Hypothesis(tuple(suspects), belief, _counted(each.used, suspects[0], left[case])))
     return found
+
+
+def _counted(used: Used, suspect: Suspect, left: Records) -> Used:
+    """Return who has said something that was merged as it was told, with what is left of one instant."""
+    return counted(used, _without_both(suspect, left) if suspect.kind == "exchange" else left)
 
 
 def _merged(strict: Strict, belief: Belief, suspect: Suspect, records: Records, *, is_early: bool) -> Belief | None:

@@ -31,6 +31,7 @@ class Strict:
         predict: Returns the belief at a later time [s]; an error names what is in conflict.
         predicted: The same, with an error that says little, in less time.
         updated: Returns the belief after measurements, likewise.
+        briefly: The same in less time, with regions larger by little, for instants before the last.
         named: Returns the error that names what is in conflict, of an update that has raised one.
     """
 
@@ -40,6 +41,7 @@ class Strict:
     predict: Callable[[Belief, float, Odometry | None], Belief]
     predicted: Callable[[Belief, float, Odometry | None], Belief]
     updated: Callable[[Belief, Records], Belief]
+    briefly: Callable[[Belief, Records], Belief]
     named: Callable[[Belief, Records, Inconsistent], Inconsistent]
 
     def wanders(self, belief: Belief, time: float, odometry: Odometry | None, robot: int) -> Belief:
@@ -97,7 +99,7 @@ def _replayed(
                 belief = strict.wanders(belief, frame.time, frame.odometry, suspect.who[1])
             elif frame.time != belief.time or frame.odometry is not None:
                 belief = strict.predicted(belief, frame.time, frame.odometry)
-            belief = strict.updated(belief, records)
+            belief = (strict.updated if frame is frames[-1] else strict.briefly)(belief, records)
     except Inconsistent:
         return None
     return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1]))

@@ -130,10 +130,13 @@ class SetMembershipFilter(StrictFilter):
         def updated(belief: Belief, records: tuple[Measurement, ...]) -> Belief:
             return self._updated(belief, records, is_over)
 
+        def briefly(belief: Belief, records: tuple[Measurement, ...]) -> Belief:
+            return replace(self, cells=0, pairs=0, corners=False)._updated(belief, records, is_over)
+
         def predicted(belief: Belief, time: float, odometry: Odometry | None) -> Belief:
             return self._predicted(replace(belief, moved=None), (time, odometry), self.team.arena)
 
-        return Strict(self.team.robots, self.team.words, self._anywhere, super().predict, predicted, updated, named)
+        return Strict(self.team.robots, self.team.words, self._anywhere, super().predict, predicted, updated, briefly, named)
 
     def _anywhere(self, belief: Belief, robot: int) -> Belief:
         """Return the belief in which a robot is anywhere in the arena; where it is open, far around all that is known."""

@@ -8,22 +8,27 @@ from filter.sets.suspect import Suspect
 
 INSTANTS = 10  # at so many instants at least has it spoken
 METRES = 3.0  # so far has its robot driven: a turned camera agrees with itself until then [m]
-BODIES = 2  # so many different ones were seen by its robot, or have seen it
+BODIES, OFTEN = 2, 5  # so many different ones were seen by its robot, or have seen it, each at so many instants
+AGAIN = 2  # who was found guilty is trusted again after so many times that
 
 
-def is_enough(suspect: Suspect, used: Used, metres: Array) -> bool:
-    """Return whether what was merged of a suspect's without a conflict, over (n,) metres driven since [m], acquits it."""
-    if _instants(suspect, used) < INSTANTS:
+def is_enough(suspect: Suspect, used: Used, metres: Array, times: int = 1) -> bool:
+    """Return whether what was merged of a suspect's without a conflict, over (n,) metres driven since [m], acquits it.
+
+    If times are said, it has to have spoken, and driven, so many times as often and as far.
+    """
+    if _instants(suspect, used) < times * INSTANTS:
         return False
-    return any(
-        len(bodies_of(robot, used)) >= BODIES and _is_tested(suspect, robot, used, metres) for robot in _by(suspect, used)
-    )
+    tested = (robot for robot in _by(suspect, used) if len(bodies_of(robot, used)) >= BODIES)
+    return any(_is_tested(suspect, robot, used, metres / times) for robot in tested)
 
 
-def bodies_of(robot: int, used: Used) -> set[tuple[str, int]]:
-    """Return the bodies that a robot has seen, or that have seen it; that it was told its position counts as one."""
-    seen = {("seen", target) for kind, who, target in used if kind == "sighting" and who == robot}
-    return seen | {("by", who) for kind, who, target in used if kind == "sighting" and target == robot}
+def bodies_of(robot: int, used: Used) -> set[tuple[int, int]]:
+    """Return who has often seen whom, of a robot; that it was told its position counts as one."""
+    often = [(who, target) for (kind, who, target), count in used.items() if kind == "sighting" and count >= OFTEN]
+    return {("seen", target) for who, target in often if who == robot} | {
+        ("by", who) for who, target in often if target == robot
+    }
 
 
 def _instants(suspect: Suspect, used: Used) -> int:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from filter.diagnosis.evidence import is_enough
+from filter.diagnosis.evidence import AGAIN, is_enough
 from filter.diagnosis.hypotheses import Strict
 from filter.diagnosis.judging import assumption, driven, in_doubt
 from filter.diagnosis.starting_over import confirmed, merged_apart
@@ -84,7 +84,7 @@ def _looked_after(strict: Strict, belief: Belief, diagnosis: Diagnosis, records:
     for trial in now.aside:
         others = [other.suspect for other in now.aside if other is not trial]
         tried = _tried(strict, belief, trial, without_all(others, records))
-        if is_enough(tried.suspect, tried.used, tried.metres):
+        if is_enough(tried.suspect, tried.used, tried.metres, AGAIN):
             trusted.append(Judged(belief.time, trial.suspect, "trusted again", "evidence"))
         else:
             left.append(tried)

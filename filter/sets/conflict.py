@@ -185,14 +185,14 @@ def anywhere(belief: Belief, team: Team) -> Array:
     return np.stack([least - far, greatest + far])
 
 
-def conflict_of(error: Inconsistent, cases: Sequence[Premises], dropped: Collection[Reading] = ()) -> Conflict:
-    """Return what is in conflict where an update, without the readings dropped, has raised an error.
+def conflict_of(error: Inconsistent, cases: Sequence[Premises]) -> Conflict:
+    """Return what is in conflict where an update has raised an error.
 
     Of several cases, each of which tells all that the update rests on, the first counts that can be proved. That robots are in
     the arena is taken for granted first, and is named only if the others do not exclude one another without.
     """
     for case in cases:
-        parts = tuple(part for part in case.parts if part.reading not in dropped)
+        parts = case.parts
         for some in (case.near(parts, error.sources), parts):
             around = case.arenas(range(case.team.robots))
             if case.exclude(around + some):

@@ -199,8 +199,8 @@ def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays
     known = beliefs[-1].diagnosis
     one, other, third = (Suspect("past", robot) for robot in range(3))
     left, right = beliefs[1].alone, beliefs[2].alone
-    used = {("sensor", 0, -1): 99, ("sighting", 0, 4): 99, ("sighting", 0, 5): 99, ("body", -1, 1): 99, ("sighting", 1, 4): 1}
-    used |= {("sighting", 1, 5): 1, ("compass", 1, -1): 99}
+    used = {("sensor", 0, -1): 99, ("sighting", 0, 4): 99, ("sighting", 0, 5): 99, ("body", -1, 1): 99, ("sighting", 1, 4): 9}
+    used |= {("sighting", 1, 5): 9, ("compass", 1, -1): 99}
     cases = [Hypothesis((one,), left, {}), Hypothesis((other,), right, {}), Hypothesis((third,), left, used)]
     now = replace(known, hypotheses=tuple(cases), metres=np.full(3, 9.0))
     living, freed = _acquitted(now)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from filter.diagnosis.evidence import INSTANTS, METRES, is_enough
+from filter.diagnosis.evidence import AGAIN, INSTANTS, METRES, OFTEN, is_enough
 from filter.diagnosis.suspects import suspects_of
 from filter.linear.sources import Source
 from filter.records.frame import Frame
@@ -11,7 +11,7 @@ from filter.records.measurements import Compass, Range
 from filter.sets.suspect import Suspect
 
 SENSOR, FAR, NEAR = Suspect("sensor", 0), np.array([METRES, 0.0]), np.array([METRES - 0.01, 99.0])
-SEEN = {("sensor", 0, -1): INSTANTS, ("sighting", 0, 5): INSTANTS, ("sighting", 0, 6): 1, ("body", -1, 5): INSTANTS}
+SEEN = {("sensor", 0, -1): INSTANTS, ("sighting", 0, 5): INSTANTS, ("sighting", 0, 6): OFTEN, ("body", -1, 5): INSTANTS}
 WITH_COMPASS = {**SEEN, ("compass", 0, -1): INSTANTS}
 
 
@@ -20,6 +20,7 @@ WITH_COMPASS = {**SEEN, ("compass", 0, -1): INSTANTS}
     [
         (SENSOR, SEEN, FAR, True),
         (SENSOR, SEEN, NEAR, False),
+        (SENSOR, {**SEEN, ("sighting", 0, 6): OFTEN - 1}, FAR, False),
         (SENSOR, WITH_COMPASS, NEAR, True),
         (SENSOR, {**SEEN, ("compass", 0, -1): INSTANTS - 1}, NEAR, False),
         (SENSOR, {**SEEN, ("body", -1, 0): INSTANTS, ("sighting", 1, 0): INSTANTS}, NEAR, True),
@@ -39,6 +40,13 @@ WITH_COMPASS = {**SEEN, ("compass", 0, -1): INSTANTS}
 )
 def test_what_is_enough(suspect, used, metres, enough):
     assert is_enough(suspect, used, metres) == enough
+
+
+def test_who_was_guilty_needs_so_many_times_as_much():
+    often = {key: AGAIN * count for key, count in SEEN.items()}
+    assert is_enough(SENSOR, often, AGAIN * FAR, AGAIN)
+    assert not is_enough(SENSOR, SEEN, AGAIN * FAR, AGAIN)
+    assert not is_enough(SENSOR, often, FAR, AGAIN)
 
 
 def who(sources, frames=(), robots=3):

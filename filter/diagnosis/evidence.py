@@ -25,10 +25,8 @@ def is_enough(suspect: Suspect, used: Used, metres: Array, times: int = 1) -> bo
 
 def bodies_of(robot: int, used: Used) -> set[tuple[int, int]]:
     """Return who has often seen whom, of a robot; that it was told its position counts as one."""
-    often = [(who, target) for (kind, who, target), count in used.items() if kind == "sighting" and count >= OFTEN]
-    return {("seen", target) for who, target in often if who == robot} | {
-        ("by", who) for who, target in often if target == robot
-    }
+    often = ((who, target) for (kind, who, target), count in used.items() if kind == "sighting" and count >= OFTEN)
+    return {pair for pair in often if robot in pair}
 
 
 def _instants(suspect: Suspect, used: Used) -> int:

@@ -8,7 +8,7 @@ from weakref import ref
 
 import numpy as np
 import pytest
-from helpers.broken import culprit, drawn, followed, going_on, outside, stepped
+from helpers.drawn.broken import culprit, drawn, followed, going_on, outside, stepped
 from helpers.teams import snapshot
 
 from experiments.broken.fault import KINDS

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from helpers.broken import drawn, followed, going_on, outside, stepped
+from helpers.drawn.broken import drawn, followed, going_on, outside, stepped
 
 from filter import Compass, Confirmed, Odometry, Position, Range, StartsOver
 

@@ -12,6 +12,7 @@ QUESTIONS = {
     "Before all others": ("warm_up",),
     "Your own log": ("follow", "live"),
     "A moving team": ("moving_team", "prove", "watch"),
+    "When a bound breaks": ("faults",),
     "Your own data": ("sample", "convert"),
     "Against a Kalman filter": ("ekf_comparison",),
     "Real robots": ("mrclam", "mrclam_sweep", "mrclam_margins", "calibrate"),

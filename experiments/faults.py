@@ -24,7 +24,7 @@ from experiments.broken.scene import LANDMARKS
 from experiments.broken.told import print_kinds, sentence, summary_of
 from experiments.following.frozen import keep_within
 from experiments.show.command import command
-from experiments.show.output import output_folder, write_summary
+from experiments.show.output import output_folder, write_summary, write_whole
 from experiments.show.terminal import Terminal, gathered, print_table
 from experiments.sweep.executors import executor
 from filter import InvalidInput
@@ -109,7 +109,7 @@ def write_episodes(path: Path, outcomes: Sequence[Outcome]) -> None:
         fault = outcome.fault
         values = [number, fault.kind, fault.when, fault.until, fault.below, *(getattr(outcome, name) for name in names)]
         lines.append(",".join("" if value is None else str(value) for value in values))
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    write_whole(path, "\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,8 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 LASTING = ("swap", "biased", "moved")
 # What is lied about: two places change their names, so that it is as large as they are far from each other.
 OF_NAMES = ("swap", "misread")
+# What passes and leaves nothing behind: past and map are right.
+OF_INSTANTS = ("compass", "misread")
 LARGE, TURNED = 0.5, np.radians(15)  # what is beyond either is large [m], [rad]
 SMALL, HARDLY = 0.05, np.radians(1.5)  # what is below both is no less: some of it no sensor can tell from its errors
 SHARE_BELOW = 0.2  # of episodes with a small fault

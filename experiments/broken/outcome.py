@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.broken.episodes import Episode
-from experiments.broken.fault import KINDS, Fault, Kind
+from experiments.broken.fault import KINDS, OF_INSTANTS, Fault, Kind
 from experiments.broken.judge import Judge
 from experiments.broken.named import innocents, named_by, names_the_culprit
 from experiments.following.located import inside, outers
+from experiments.following.metrics import rounded
 from filter import Belief, Filter, Inconsistent, Mask, Polygon, SetMembershipFilter, Step, follow
 
 SOON = 10  # good frames in which a filter has to get right
@@ -57,6 +58,9 @@ class Outcome:
         named: Whether the culprit is named at the end.
         innocent: Whether somebody innocent is, then.
         gave_up: Whether the filter ended with an error.
+        area_before: Area of a region in the last frame before the fault, the mean over the robots; None if there is none [m2].
+        area_most: The same in the frame from the fault on in which it is largest; None if there is none [m2].
+        area_end: The same in the last frame [m2].
     """
 
     fault: Fault
@@ -71,6 +75,9 @@ class Outcome:
     named: bool
     innocent: bool
     gave_up: bool
+    area_before: float | None
+    area_most: float | None
+    area_end: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +89,14 @@ class Moment:
         in_force: (n,) for which robots the guarantee is said to be in force.
         named: Whether the culprit is named.
         innocent: Whether somebody innocent is.
+        area: Of a region, the mean over the robots [m2].
     """
 
     outside: Mask
     in_force: Mask
     named: bool
     innocent: bool
+    area: float
 
     @classmethod
     def of(cls, fault: Fault, step: Step[Belief]) -> Moment:
@@ -96,8 +105,9 @@ class Moment:
         if truth is None:
             raise ValueError("a frame of an episode knows the truth")
         within = inside(belief, truth.positions) & belief.headings.contains(truth.headings)
-        named = named_by(belief)
-        return cls(~within, belief.guarantee.in_force, names_the_culprit(fault, named), bool(innocents(fault, named)))
+        named, area = named_by(belief), np.mean([outer.area for outer in outers(belief)])
+        said = names_the_culprit(fault, named), bool(innocents(fault, named))
+        return cls(~within, belief.guarantee.in_force, *said, rounded(float(area)))
 
     @property
     def broken(self) -> bool:
@@ -145,8 +155,10 @@ def first_provable(episode: Episode, steps: Sequence[Step[Belief]]) -> int | Non
     if when:
         belief = steps[when - 1].belief
         regions, headings = outers(belief), belief.headings
-    judge = Judge.of(episode.team, regions, headings)
-    for number, frame in enumerate(episode.frames[when:], when):
+    judge, last = Judge.of(episode.team, regions, headings), len(episode.frames)
+    if episode.fault.kind in OF_INSTANTS:  # nothing is wrong any more when it is over, and nothing could be proved
+        last = int(episode.fault.until)
+    for number, frame in enumerate(episode.frames[when:last], when):
         judge = judge.after(frame)
         if judge.proves(frame):
             return number
@@ -174,4 +186,7 @@ def judged(fault: Fault, moments: Sequence[Moment], frames: int, provable: int |
         named=bool(moments) and moments[-1].named,
         innocent=bool(moments) and moments[-1].innocent,
         gave_up=gave_up,
+        area_before=early[-1].area if early else None,
+        area_most=max((moment.area for moment in moments[fault.when :]), default=None),
+        area_end=moments[-1].area if moments else None,
     )

@@ -70,9 +70,9 @@ class Past:
 
         Each displacement's direction is that of the heading now, less all turns that came after its heading.
         """
-        later = np.cumsum(self.turns[::-1], axis=0)[::-1]
+        later = np.cumsum(self.turns[::-1], axis=0)[::-1]  # its own among them, of which half is counted back
         way = headings[:, :1] + self.ways[:, 0] - later[:, 0]
-        wide = headings[:, 1:] + np.maximum(0.0, self.ways[:, 1] + later[:, 1])
+        wide = headings[:, 1:] + self.ways[:, 1] + later[:, 1] - self.turns[:, 1]
         off = np.abs(np.mod(way[:, None] - TURNS[:, None] + np.pi, 2 * np.pi) - np.pi)
         nearest, farthest = np.cos(np.maximum(0.0, off - wide[:, None])), np.cos(np.minimum(np.pi, off + wide[:, None]))
         products = [chord * cosine for chord in self.chords.T for cosine in (nearest, farthest)]

@@ -11,7 +11,7 @@ from filter import Array, InvalidInput, Team
 ROBOTS = 3
 HALF = 6.0  # of the arena's side [m]
 INSIDE = 5.5  # no robot gets farther from either axis [m]
-APART = 3.0  # landmarks are at least so far from one another [m]
+APART = 3.0  # landmarks are at least so far from one another, three or eight a little less [m]
 STEP = 1.0  # between two frames [s]
 # What odometry, compasses and cameras promise.
 DISTANCE, TURN, DIRECTION, SLIP = 0.015, np.radians(1.0), np.radians(1.5), 0.01
@@ -85,7 +85,7 @@ class Scene:
 def _apart(rng: np.random.Generator, count: int, half: float) -> Array:
     """Draw (count, 2) places within a square, no two too near each other."""
     places = [rng.uniform(-half, half, 2)]
-    apart = min(APART, 2.4 * half / np.sqrt(count))
+    apart = min(APART, 1.45 * half / np.sqrt(count))  # so that there is room for all, wherever the first ones are
     while len(places) < count:
         place = rng.uniform(-half, half, 2)
         if min(np.hypot(*(place - other)) for other in places) >= apart:

@@ -12,6 +12,8 @@ from experiments.broken.outcome import SOON, Outcome
 from experiments.following.metrics import Value, rounded
 from experiments.show.terminal import show_table
 
+AREAS = ("area_before", "area_most", "area_end")  # of regions: before a fault, where they are largest after it, in the end
+
 Counted = Callable[[Outcome], bool]
 Told = Value | list[Value] | dict[str, Value]
 
@@ -67,6 +69,7 @@ def summary_of(landmarks: int, seed: int, outcomes: Sequence[Outcome]) -> dict[s
         "suspended_frames_mean": rounded(float(np.mean([outcome.suspended for outcome in outcomes]))),
         "frames_without_cause": sum(outcome.without_cause for outcome in outcomes),
         "gave_up": sum(outcome.gave_up for outcome in outcomes),
+        **{f"{name}_median_m2": area(outcomes, name) for name in AREAS},
     }
 
 
@@ -76,25 +79,21 @@ def frames_until_right(outcomes: Sequence[Outcome]) -> float | None:
     return float(np.median(frames)) if frames else None
 
 
+def area(outcomes: Sequence[Outcome], name: str) -> float | None:
+    """Return the median of one of the `AREAS` of all outcomes that have one [m2]."""
+    areas = [getattr(outcome, name) for outcome in outcomes if getattr(outcome, name) is not None]
+    return rounded(float(np.median(areas))) if areas else None
+
+
 def _shares(outcomes: Sequence[Outcome]) -> dict[str, Value]:
     return {kind: share(some, is_right) for kind, some in by_kind(outcomes).items()}
 
 
 def print_kinds(outcomes: Sequence[Outcome]) -> None:
     """Print a line for each kind of fault, and one for all: of large ones first, then how many small ones are right."""
-    names = (
-        "fault",
-        "episodes",
-        "proved",
-        "right",
-        "median frames",
-        "named",
-        "suspended",
-        "in force outside",
-        "before",
-        "small",
-    )
-    table = Table(*names, title=f"what broke, and whether the filter was right {SOON} good frames later", title_justify="left")
+    found = ("fault", "large", "proved", "right", "frames", "named", "suspended", "outside in force", "before", "small right")
+    title = f"what broke, and whether the filter was right {SOON} good frames later"
+    table = Table(*found, "m2 before", "most", "end", title=title, title_justify="left")
     for kind, some in {**by_kind(outcomes), "all": list(outcomes)}.items():
         table.add_row(kind, *_row(some))
     for column in table.columns[1:]:
@@ -115,6 +114,7 @@ def _row(outcomes: Sequence[Outcome]) -> list[str]:
         str(sum(outcome.outside_in_force for outcome in outcomes)),
         str(sum(outcome.outside_before for outcome in outcomes)),
         f"{sum(map(is_right, below))} of {len(below)}" if below else "-",
+        *("-" if value is None else f"{value:.2g}" for value in (area(beyond, name) for name in AREAS)),
     ]
 
 
@@ -132,5 +132,6 @@ def sentence(outcomes: Sequence[Outcome]) -> str:
     )
     told = f"{lost} in force and the fault could be proved" if wrong else kept
     median = frames_until_right(beyond)
-    soon = "" if median is None else f", {median:g} good frames after the fault in the median"
-    return f"{told}; of {len(beyond)} large faults the filter was right in the end after {right}{soon}."
+    soon = "" if median is None else f", in the median after {median:g} frames"
+    share_right = f"After {right} of {len(beyond)} large faults the filter was right within {SOON} good frames and at the end"
+    return f"{told}. {share_right}{soon}."

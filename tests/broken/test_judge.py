@@ -71,7 +71,18 @@ def test_a_box_with_a_good_pose_is_never_excluded(seed):
     assert boxes.within_supports(NORMALS, NORMALS @ pose[:2] * np.ones((30, 1))).all()
 
 
-@pytest.mark.parametrize("seed", range(30))
+def test_halves_are_all_of_a_box():
+    rng = RNG(0)
+    boxes = Boxes(rng.uniform(-3, 3, (20, 3)), rng.uniform(0, 1, (20, 3)))
+    halves = boxes.split(4.0)
+    assert len(halves) == 40
+    points = boxes.middle + boxes.half * rng.uniform(-1, 1, (200, 20, 3))
+    within = np.abs(points[:, None] - halves.middle.reshape(2, 20, 3)) <= halves.half.reshape(2, 20, 3) + 1e-12
+    assert within.all(axis=3).any(axis=1).all()
+    assert halves.half.sum() < 2 * boxes.half.sum()
+
+
+@pytest.mark.parametrize("seed", range(60))
 def test_the_past_holds_every_way_that_can_have_been_driven(seed):
     """Backwards, hardly at all, sideways and in half circles: what is drawn within the bounds is allowed."""
     rng = RNG(seed)
@@ -96,6 +107,23 @@ def test_the_past_holds_every_way_that_can_have_been_driven(seed):
         assert past.allows(Boxes(np.array([[*place, heading]]), np.zeros((1, 3)))).all()
         half = np.array([[*10.0 ** rng.uniform(-3, 0, 2), rng.uniform(0, 0.3)]])
         assert past.allows(Boxes(np.array([[*place, heading]]) + half * rng.choice([-1, 1], 3), half)).all()
+
+
+@pytest.mark.parametrize("length", [0.5, -0.5])
+@pytest.mark.parametrize("turn", [2.0, -2.0, 3.15, 0.0])
+def test_a_path_that_bends_gets_less_far_than_it_is_long_and_no_farther(length, turn):
+    still = AngularIntervals([0.0], [0.0])
+    told = Odometry(0, 1, 0, distance=length, distance_bound=0, turn=turn, turn_bound=0, direction_bound=0, slip_bound=0)
+    past, way = Past.of(Polygon.box([0, 0], [0, 0]), still, 0).moved(told, 0), turn / 2
+
+    def is_allowed(chord):
+        pose = np.array([[chord * np.cos(way), chord * np.sin(way), turn]])
+        return bool(past.allows(Boxes(pose, np.zeros((1, 3)))))
+
+    assert is_allowed(length * np.sinc(turn / (2 * np.pi)))
+    assert not is_allowed(1.1 * length)
+    assert is_allowed(0.0) == (abs(turn) > 3)
+    assert not is_allowed(-0.5 * length)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -129,6 +157,15 @@ def test_a_gap_is_proved_from_its_width_on(x, proved):
     """A robot in a box of +-0.1 m, seen from elsewhere to 1 cm: what is left in between decides."""
     judge = Judge.of(Team(1, MARKS), [Polygon.box([-0.1, -0.1], [0.1, 0.1])], AngularIntervals([0.0], [0.1]))
     assert judge.proves(Frame(0.0, None, seen(np.array([x, 0.0]), 0.0, MARKS))) == proved
+
+
+@pytest.mark.parametrize(("x", "proved"), [(0.1, False), (0.13, True)])
+def test_bearings_that_each_could_be_true_are_cut_until_they_exclude_one_another(x, proved):
+    """The heading is hardly known, so that no bearing alone says anything of the place."""
+    marks = np.array([[2.0, 0.0], [0.0, 3.0], [-2.0, -1.0], [0.5, -2.0]])
+    judge = Judge.of(Team(1, marks), [Polygon.box([-0.1, -0.1], [0.1, 0.1])], AngularIntervals([0.2], [0.5]))
+    (bearings, _) = seen(np.array([x, 0.0]), 0.0, marks)
+    assert judge.proves(Frame(0.0, None, (bearings,))) == proved
 
 
 @pytest.mark.parametrize(("turn", "proved"), [(3.1, False), (-3.1, False), (0.5, True)])

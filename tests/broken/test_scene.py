@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.promises import broken_promises
+from helpers.drawn.promises import broken_promises
 
 from experiments.broken.episodes import BEFORE, NEVER, Episode
 from experiments.broken.fault import HARDLY, KINDS, LARGE, LASTING, OF_NAMES, SMALL, TURNED, checked_kind
@@ -42,7 +42,7 @@ def test_every_bound_holds_where_nothing_is_wrong(landmarks):
 
 @pytest.mark.parametrize(("kind", "landmarks"), DRAWN)
 def test_only_the_culprits_bounds_are_broken_and_only_while_it_is_said(kind, landmarks):
-    for seed in range(6):
+    for seed in range(4):
         fault = (episode := drawn(seed, kind, landmarks)).fault
         broken, may_be = list(broken_promises(episode)), blamed(fault)
         assert all(may_be(what, robot, target) for _, what, robot, target in broken)
@@ -56,11 +56,11 @@ def test_only_the_culprits_bounds_are_broken_and_only_while_it_is_said(kind, lan
 
 @pytest.mark.parametrize(("kind", "landmarks"), DRAWN)
 def test_faults_are_as_large_as_they_say(kind, landmarks):
-    faults = [drawn(seed, kind, landmarks).fault for seed in range(40)]
+    faults = [drawn(seed, kind, landmarks).fault for seed in range(16)]
     if kind in OF_NAMES:
         assert not any(fault.below for fault in faults)
         return
-    assert 0 < sum(fault.below for fault in faults) < 20
+    assert 0 < sum(fault.below for fault in faults) < 10
     for fault in faults:
         metres, radians = np.hypot(*fault.offset), abs(fault.turn)
         if fault.below:
@@ -73,7 +73,7 @@ def test_faults_are_as_large_as_they_say(kind, landmarks):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_episodes_go_on_after_the_fault_and_robots_stay_inside(kind):
-    for seed in range(6):
+    for seed in range(4):
         episode = drawn(seed, kind)
         fault, count = episode.fault, len(episode.frames)
         assert count - fault.settled in range(25, 31)
@@ -83,6 +83,12 @@ def test_episodes_go_on_after_the_fault_and_robots_stay_inside(kind):
         assert fault.lasts or fault.until - fault.when == (fault.until - fault.when if kind in ("compass", "misread") else 1)
         assert max(np.abs(frame.truth.positions).max() for frame in episode.frames) < HALF
         assert [frame.time for frame in episode.frames] == list(range(count))
+
+
+def test_wheels_that_tell_too_little_have_slid_and_none_tells_of_a_way_back():
+    for seed in range(12):
+        for frame in drawn(seed, "slip").frames[1:]:
+            assert (frame.odometry.distance > 0.2).all()
 
 
 def test_all_landmarks_are_in_view_of_all_or_some_of_some():
@@ -97,9 +103,9 @@ def test_all_landmarks_are_in_view_of_all_or_some_of_some():
 
 def test_half_of_the_episodes_have_compasses_and_all_with_a_bad_one():
     def compasses(kind):
-        return [any(isinstance(each, Compass) for each in drawn(seed, kind).frames[0].measurements) for seed in range(20)]
+        return [any(isinstance(each, Compass) for each in drawn(seed, kind).frames[0].measurements) for seed in range(12)]
 
-    assert 3 < sum(compasses("slip")) < 17
+    assert 2 <= sum(compasses("slip")) <= 10
     assert all(compasses("compass"))
 
 

@@ -2,10 +2,23 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers.drawn.broken import drawn, followed, going_on, outside, stepped
 
-from filter import Compass, Confirmed, Odometry, Position, Range, StartsOver
+from filter import (
+    Compass,
+    Confirmed,
+    Odometry,
+    Polygon,
+    Position,
+    Range,
+    SetMembershipFilter,
+    StartsOver,
+    Suspect,
+    Team,
+)
+from filter.sets.belief import Diagnosis, Trial
 
 
 def nowhere(time, robot):
@@ -68,3 +81,16 @@ def test_a_conflict_among_those_who_start_over_lets_them_start_over_again():
     after = filter_.update(later, [nowhere(frame.time + 1, robot)])
     assert all(trial.used == {} for trial in after.diagnosis.suspended)
     assert after.guarantee.lapsed[robot]
+
+
+def test_nobody_in_force_relies_on_who_starts_over():
+    team = Team(2, [[4.0, 0.0]], arena=[[-9, -9], [9, 9]])
+    filter_ = SetMembershipFilter(team, policy="reject")
+    belief = filter_.start(0.0, [Polygon.box([-9, -9], [9, 9]), Polygon.box([-2, -2], [2, 2])])
+    trial = Trial(Suspect("past", 0), 0.0, None, {}, np.zeros(2))
+    alone = replace(belief, diagnosis=Diagnosis(suspended=(trial,)), guarantee=belief.guarantee.suspended(0.0, "a lie", {0}))
+    for lie in (Range(0.0, 0, 1, 0.1, 0.1, 0.0), Range(0.0, 1, 0, 0.1, 0.1, 0.0)):
+        after = filter_.update(alone, [lie, Range(0.0, 0, 2, 1.0, 0.1, 0.0)])
+        assert after.regions[1].outer.area == pytest.approx(16.0)
+        assert after.regions[0].outer.area < 10
+        assert after.guarantee.in_force.tolist() == [False, True]

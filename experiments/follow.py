@@ -72,8 +72,8 @@ class Options:
     light: bool = False
     """Take less along from step to step: faster, with regions larger by little."""
     policy: Policy = "raise"
-    """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
-    is suspended from then on."""
+    """What to do when measurements are proved to disagree: raise (stop), or reject what is wrong: go on with what is known
+    whichever one thing that is, until it is found out."""
     certificates: bool = False
     """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
     view: bool = False

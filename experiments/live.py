@@ -83,8 +83,8 @@ class Options:
     hops: int | None = None
     """Find each region in the window of the robots so many sightings away, not in the whole team; 1 does for large teams."""
     policy: Policy = "raise"
-    """What to do when measurements are proved to disagree: raise (stop), or reject the fewest and newest of them; the guarantee
-    is suspended from then on."""
+    """What to do when measurements are proved to disagree: raise (stop), or reject what is wrong: go on with what is known
+    whichever one thing that is, until it is found out."""
     watch: Path | None = None
     """Hold another estimator's poses against the regions as their time comes: a TUM file, r0.tum or r0_slam.tum, or a folder of
     them, read at the start. What is proved wrong is said at once."""

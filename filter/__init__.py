@@ -4,10 +4,11 @@ Everything that a user names is here: `from filter import SetMembershipFilter, T
 notice.
 
 Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, joined, motions,
-guarantee, linear/, sensing/, poses/, projection/, sets/, robust/, stream, follow, lag, ekf, watch, warm_up.
+guarantee, linear/, sensing/, poses/, projection/, sets/, diagnosis/, robust/, stream, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
+from filter.diagnosis.set_membership_filter import Policy, SetMembershipFilter
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
 from filter.follow import AnyBelief, Filter, Step, changed, follow
@@ -39,7 +40,8 @@ from filter.sets.belief import Belief, Event, Rejected
 from filter.sets.merged import Directions
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
-from filter.sets.set_membership import PHASES, Policy, SetMembershipFilter
+from filter.sets.set_membership import PHASES
+from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect
 from filter.stream import Arrival, frames_of
 from filter.team import Team
 from filter.warm_up import warm_up
@@ -53,20 +55,9 @@ __all__ += ["place_from_north", "position_from_range_difference", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]
 __all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
-__all__ += [
-    "Alarm",
-    "Belief",
-    "ByCases",
-    "Cases",
-    "Directions",
-    "Event",
-    "Evidence",
-    "Fallback",
-    "Guarantee",
-    "Proof",
-    "Region",
-]
-__all__ += ["Regions", "Rejected", "Source"]
+__all__ += ["Alarm", "Belief", "ByCases", "Cases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof"]
+__all__ += ["Region", "Regions", "Rejected", "Source"]
+__all__ += ["Confirmed", "Doubted", "Judged", "Passed", "StartsOver", "Suspect"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]

@@ -1,6 +1,6 @@
 """Whether what a filter says is guaranteed: for which robots it is not, since when, and why."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -19,11 +19,14 @@ class Guarantee(InWords, Frozen):
         suspended_since: (n,) since when it is suspended [s]; infinite where it is in force, -inf where it never was.
         because: (n) why it is suspended, in words with the names of the team; empty where it is not.
         away: Robots that have left, of which nothing is said.
+        assuming: What is assumed besides every bound that is not named in it, as "if only one of these is wrong ..."; empty if
+            nothing is.
     """
 
     suspended_since: Array
     because: tuple[str, ...]
     away: frozenset[int] = field(default=frozenset(), metadata=checked(instance, "robots that are away", frozenset))
+    assuming: str = ""
 
     @classmethod
     def full(cls, robots: int) -> Self:
@@ -42,10 +45,22 @@ class Guarantee(InWords, Frozen):
         held[list(self.away)] = False
         return held
 
-    def suspended(self, since: float, because: str) -> Self:
-        """Return it suspended for every robot, where it is not already."""
-        since_when = np.where(self.lapsed, self.suspended_since, since)
-        return replace(self, suspended_since=since_when, because=tuple(before or because for before in self.because))
+    def suspended(self, since: float, because: str, robots: Collection[int] | None = None) -> Self:
+        """Return it suspended for some robots, or for every one, where it is not already."""
+        some = np.ones(len(self.because), dtype=bool) if robots is None else np.isin(np.arange(len(self.because)), list(robots))
+        since_when = np.where(self.lapsed | ~some, self.suspended_since, since)
+        told = tuple(before or (because if now else "") for before, now in zip(self.because, some, strict=True))
+        return replace(self, suspended_since=since_when, because=told)
+
+    def restored(self, robot: int) -> Self:
+        """Return it in force again for one robot."""
+        others = np.arange(len(self.because)) != robot
+        told = tuple(because if other else "" for because, other in zip(self.because, others, strict=True))
+        return replace(self, suspended_since=np.where(others, self.suspended_since, np.inf), because=told)
+
+    def under(self, assuming: str) -> Self:
+        """Return it under an assumption, or with an empty one under none."""
+        return replace(self, assuming=assuming)
 
     def without(self, robot: int) -> Self:
         """Return what is said when a robot is away."""
@@ -63,4 +78,6 @@ class Guarantee(InWords, Frozen):
         told: dict[str, list[str]] = {}
         for robot in np.flatnonzero(self.lapsed).tolist():
             told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(words(robot))
-        return "; ".join(f"suspended for {', '.join(who)} {why}" for why, who in told.items()) or "in force"
+        lapsed = [f"suspended for {', '.join(who)} {why}" for why, who in told.items()]
+        held = [f"in force {self.assuming}".rstrip()] if self.assuming or not lapsed else []
+        return "; ".join(lapsed + held)

@@ -9,7 +9,19 @@ import numpy as np
 
 from experiments.following.checks import Checks, Escapes, Known
 from experiments.following.located import points, there
-from filter import Belief, Fallback, Frame, GaussianBelief, Guarantee, Rejected, RobustBelief, Truth
+from filter import (
+    Belief,
+    Doubted,
+    Fallback,
+    Frame,
+    GaussianBelief,
+    Guarantee,
+    Rejected,
+    RobustBelief,
+    StartsOver,
+    Suspect,
+    Truth,
+)
 
 Value = float | int | str | bool | None
 Words = Callable[[object], str]  # how something is said: `Team.words`, or `str` where robots have no names
@@ -24,12 +36,16 @@ class Metrics(Checks):
         steps: Steps so far.
         rows_max: Greatest number of constraints of a belief.
         rejected: Measurements that were dropped for others to agree.
+        doubts: How often something was proved to be wrong: suspects were looked at, or robots started over.
+        aside: Who was found guilty, and is not listened to at the end.
         fallbacks: How often a solver's answers were no good.
     """
 
     steps: int = 0
     rows_max: int = 0
     rejected: int = 0
+    doubts: int = 0
+    aside: tuple[Suspect, ...] = ()
     fallbacks: int = 0
     _areas: list[float] = field(default_factory=list)
     _ratios: list[float] = field(default_factory=list)
@@ -74,6 +90,8 @@ class Metrics(Checks):
     def _add_projections(self, belief: Belief) -> None:
         self.rows_max = max(self.rows_max, len(belief.constraints))
         self.fallbacks += sum(isinstance(event, Fallback) for event in belief.events)
+        self.doubts += sum(isinstance(event, Doubted | StartsOver) for event in belief.events)
+        self.aside = belief.aside
         regions, here = belief.regions, there(belief)
         self._areas += regions.outer.areas[here].tolist()
         self._ratios += regions.performance_ratios[here].tolist()
@@ -90,6 +108,8 @@ class Metrics(Checks):
             **guarantee_summary(self.suspended, words),
             "measurements": self.measurements,
             "rejected": self.rejected,
+            "doubts": self.doubts,
+            "put_aside": "; ".join(map(words, self.aside)) or None,
             "solver_fallbacks": self.fallbacks,
             "outer_area_mean_m2": _mean(self._areas),
             "outer_area_p95_m2": _quantile(self._areas, 0.95),

@@ -32,7 +32,21 @@ import numpy as np
 from experiments.logs.cases import case_record
 from experiments.logs.exactly import hexadecimal, region_record, row_record, source_record
 from experiments.logs.sides import Sighted, Sights, boxes_at_a_glance, sides_of_bearings, sides_of_ranges
-from filter import AngularIntervals, Array, Belief, ByCases, Cases, Directions, Evidence, Integers, Proof, Step
+from filter import (
+    AngularIntervals,
+    Array,
+    Belief,
+    ByCases,
+    Cases,
+    Directions,
+    Doubted,
+    Evidence,
+    Integers,
+    InvalidInput,
+    Proof,
+    StartsOver,
+    Step,
+)
 from filter.linear.sources import Sources
 
 FILE = "certificates.jsonl.gz"
@@ -51,7 +65,13 @@ class Certificates:
         self._landmarks = landmarks
 
     def write(self, step: Step[Belief]) -> None:
-        """Append all that the headings and regions of a step rest on, and the regions as they are shown."""
+        """Append all that the headings and regions of a step rest on, and the regions as they are shown.
+
+        Raises `InvalidInput` where something is in doubt: what holds in several cases has no certificate yet.
+        """
+        doubt = next((event for event in step.belief.events if isinstance(event, Doubted | StartsOver)), None)
+        if doubt is not None:
+            raise InvalidInput("certificates of a run in which nothing is in doubt", str(doubt))
         belief, time = step.belief, {"version": VERSION, "t": step.belief.time.hex()}
         headings, lines, cases = list[dict[str, Any]](), list[dict[str, Any]](), dict[int, ByCases]()
         readings = next(each.readings for each in belief.proofs if isinstance(each, Directions))

@@ -13,11 +13,11 @@ from experiments.following.side_by_side import Case
 from experiments.following.steps import steps
 from experiments.optimum.history import History, optimum
 from filter.arrays import Array
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.geometry.polygon import Polygon
 from filter.projection.stop import Stop
 from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 # Rows on one robot and rows on one pair.

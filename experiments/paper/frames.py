@@ -11,11 +11,11 @@ import numpy as np
 from experiments.paper.formations import Formation, Searcher
 from experiments.paper.reference import Unbounded
 from filter.arrays import Array, Integers, whole
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import InvalidInput
 from filter.projection.proved import Projection, position
 from filter.projection.stop import Budget, Stop
 from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 PAIRS = 3  # relative positions that are looked at when the caller chooses none

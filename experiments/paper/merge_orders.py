@@ -15,10 +15,10 @@ import numpy as np
 from experiments.following.metrics import rounded
 from filter import Bearing
 from filter.arrays import Array
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 ROBOTS = 6

@@ -17,14 +17,12 @@ from experiments.real_robots.carried import Carried
 from experiments.real_robots.motion import Motions
 from filter import (
     AngularIntervals,
-    Belief,
     Distrusted,
+    Doubted,
     Frame,
     Guarantee,
-    Inconsistent,
     Late,
     Mask,
-    Polygon,
     Region,
     Rejected,
     Restarted,
@@ -32,6 +30,7 @@ from filter import (
     RobustFilter,
     SetMembershipFilter,
     Source,
+    StartsOver,
     Team,
     Turned,
     follow,
@@ -132,35 +131,15 @@ class Within:
 
 
 def rejecting(scenario: Scenario) -> Iterator[Followed]:
-    """Follow with the plain filter that rejects what is proved to disagree, and starts over where that is not enough.
-
-    A measurement that had to be rejected proves that some bound is broken; which, nobody knows, so that from then on
-    nothing is guaranteed until the team has been started over from the arena.
-    """
+    """Follow with the plain filter that goes on after a conflict; what is rejected is what was measured and is in conflict."""
     warmed_up()
     plain = SetMembershipFilter(scenario.team, policy="reject")
     belief = first_belief(plain, scenario.header, scenario.initial)
     silent = np.zeros(scenario.team.robots, dtype=bool)  # its bounds of motion say so themselves
-    for frame in scenario.frames:
-        begin = perf_counter()
-        belief, conflict = _stepped(plain, belief, frame)
-        rejected = tuple(event.source for event in belief.events if isinstance(event, Rejected))
-        why = scenario.team.words(conflict) if conflict else ""
-        words = (*map(scenario.team.words, belief.events), *([f"started over: {why}"] if why else []))
-        resets = len(silent) if conflict else 0
-        guarantees = belief.guarantee, belief.guarantee.suspended(frame.time, why) if why else belief.guarantee
-        yield Followed(frame, belief, *guarantees, silent, rejected, resets, (), words, perf_counter() - begin)
-
-
-def _stepped(plain: SetMembershipFilter, belief: Belief, frame: Frame) -> tuple[Belief, Inconsistent | None]:
-    """Return the next belief; if all fails that of robots that can be anywhere, and why."""
-    try:
-        (step,) = follow(plain, belief, [frame])
-        return step.belief, None
-    except Inconsistent as conflict:
-        return plain.start(frame.time, anywhere(plain.team)), conflict
-
-
-def anywhere(team: Team) -> list[Polygon]:
-    """Return the arena for each robot."""
-    return [Polygon.box(*team.arena)] * team.robots
+    for step in follow(plain, belief, scenario.frames, perf_counter):
+        events = step.belief.events
+        rejected = tuple(source for event in events if isinstance(event, Doubted) for source in event.conflict)
+        resets = sum(len(event.robots) for event in events if isinstance(event, StartsOver))
+        words = tuple(map(scenario.team.words, events))
+        guarantees = step.belief.guarantee, step.belief.guarantee
+        yield Followed(step.frame, step.belief, *guarantees, silent, rejected, resets, (), words, step.seconds)

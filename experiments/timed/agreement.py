@@ -11,10 +11,10 @@ from experiments.following.side_by_side import Case
 from experiments.following.steps import steps
 from experiments.sweep.timing import clocked
 from experiments.timed.ways import EXACT, Problem, by_kernel
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.projection.proved import certified_offsets
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
 
 PROJECTIONS = ("robots", "pairs")  # by what the filter's step has them made
 WARM = 5  # steps that find caches cold

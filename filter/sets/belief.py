@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from filter.arrays import whole_number
+from filter.arrays import Array, whole_number
 from filter.geometry.angles import AngularIntervals
 from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
@@ -17,15 +17,17 @@ from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources, in_order
 from filter.poses.slices import Slices
 from filter.projection.fallback import Fallback
+from filter.records.frame import Frame
 from filter.records.names import InWords
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
+from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect
 
 
 @dataclass(frozen=True)
 class Rejected(InWords):
-    """A measurement that was dropped, as the filter's policy says, for measurements to agree again.
+    """A measurement that was dropped, for the others to agree.
 
     Attributes:
         source: What was dropped.
@@ -39,7 +41,8 @@ class Rejected(InWords):
         return f"rejected {words(self.source)}; in conflict: {'; '.join(map(words, self.conflict))}"
 
 
-Event = Rejected | Fallback
+Event = Doubted | Judged | Passed | StartsOver | Confirmed | Fallback
+Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,14 +67,15 @@ class Belief:
         polytope: Where the whole team can be.
         headings: (n) arcs that contain the robots' headings.
         sources: What produced the rows and the edges.
-        guarantee: Suspended since the first measurement that was ever rejected: some bound was broken, nobody knows which.
+        guarantee: In force, if need be under the assumption that one thing alone is wrong; suspended where more is.
         found: (n) where each robot is, as the last update found; None at the start and after a prediction.
-        events: What the last update dropped, and where its walks and solvers failed.
+        events: What came into doubt, who was judged, and where walks and solvers failed.
         proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
             were projected, as of the last update; before them what was proved case by case, and what directions were read
             from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
         slices: The poses of robots whose headings are wide, position and heading together.
+        diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
     """
 
     time: float
@@ -84,6 +88,22 @@ class Belief:
     proofs: tuple[Evidence, ...] = ()
     moved: Moved | None = None
     slices: Slices = field(default_factory=Slices.none)
+    diagnosis: Diagnosis | None = None
+
+    @property
+    def aside(self) -> tuple[Suspect, ...]:
+        """Who was found guilty and is not listened to, until trusted again."""
+        return tuple(trial.suspect for trial in self.diagnosis.aside) if self.diagnosis else ()
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Who can be wrong, one of them, in the time of a doubt; else nobody."""
+        return self.diagnosis.suspects if self.diagnosis else ()
+
+    @property
+    def alone(self) -> Belief:
+        """What is known, without what is kept for a diagnosis."""
+        return replace(self, diagnosis=None) if self.diagnosis else self
 
     @cached_property
     def regions(self) -> Regions:
@@ -138,3 +158,90 @@ class Belief:
         last = {self.sources[int(number)] for number in region.causes[place]}
         found = causes_of(proofs, self.time, (WORLD, robot, region.outer.normals[place]), last)
         return tuple(sorted(found, key=in_order))
+
+
+@dataclass(frozen=True, eq=False)
+class Recent:
+    """What was given to a filter at an instant, or at several at once.
+
+    Attributes:
+        before: What was known before, without a diagnosis, and without what that was made from: nothing older is kept alive.
+        frames: What came then, of which what was not listened to is left out.
+    """
+
+    before: Belief
+    frames: tuple[Frame, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """What is known if one of some suspects is wrong and nothing else: they are one as long as they leave out the same.
+
+    Attributes:
+        suspects: One of these.
+        belief: What then is known.
+        used: What was merged since the doubt began.
+        is_over: Whether it was wrong, and is right again by evidence: it is listened to.
+    """
+
+    suspects: tuple[Suspect, ...]
+    belief: Belief
+    used: Used = field(default_factory=dict)
+    is_over: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A suspect that was found guilty, whose readings are looked at from aside; or a robot, by its past, that starts over.
+
+    Attributes:
+        suspect: Which.
+        since: When the trial began: all has agreed since [s].
+        belief: What would be known if it were right since then; None for a robot that starts over.
+        used: What was merged since then.
+        metres: (n,) how far the robots have driven since then [m].
+    """
+
+    suspect: Suspect
+    since: float
+    belief: Belief | None
+    used: Used
+    metres: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What a filter keeps to find out what is wrong.
+
+    Attributes:
+        recent: The last instants, to be tried again; none in the time of a doubt.
+        hypotheses: What is known in each case, in the time of a doubt; else none.
+        conflict: What is proved to exclude one another, then.
+        since: When the doubt began [s].
+        metres: (n,) how far the robots have driven since then [m].
+        instants: How many updates there were since then.
+        by_proof: Whether all who are no longer suspected would leave a contradiction.
+        aside: Who is not listened to.
+        suspended: Robots that start over.
+    """
+
+    recent: tuple[Recent, ...] = ()
+    hypotheses: tuple[Hypothesis, ...] = ()
+    conflict: tuple[Source, ...] = ()
+    since: float = 0.0
+    metres: Array | None = None
+    instants: int = 0
+    by_proof: bool = True
+    aside: tuple[Trial, ...] = ()
+    suspended: tuple[Trial, ...] = ()
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Who can be wrong, or have been."""
+        return tuple(sorted({one for each in self.hypotheses for one in each.suspects}, key=lambda suspect: suspect.who))
+
+    @property
+    def suspected(self) -> tuple[Suspect, ...]:
+        """Who can be wrong still."""
+        found = (one for each in self.hypotheses if not each.is_over for one in each.suspects)
+        return tuple(sorted(found, key=lambda suspect: suspect.who))

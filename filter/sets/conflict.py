@@ -176,22 +176,26 @@ class Premises:
 
     @cached_property
     def _anywhere(self) -> Array:
-        """(2, 2) corners of a box far around all that is known."""
-        lower, upper, arena = self.before.polytope.lower, self.before.polytope.upper, self.team.arena
-        places = np.concatenate([lower, upper, self.team.landmarks, np.where(np.isfinite(arena), arena, lower[0])])
-        least, greatest = places.min(axis=0), places.max(axis=0)
-        far = FAR * max(1.0, float((greatest - least).max()))
-        return np.stack([least - far, greatest + far])
+        return anywhere(self.before, self.team)
 
 
-def conflict_of(error: Inconsistent, cases: Sequence[Premises], dropped: Collection[Reading] = ()) -> Conflict:
-    """Return what is in conflict where an update, without the readings dropped, has raised an error.
+def anywhere(belief: Belief, team: Team) -> Array:
+    """Return (2, 2) corners of a box far around all that is known [m]."""
+    lower, upper, arena = belief.polytope.lower, belief.polytope.upper, team.arena
+    places = np.concatenate([lower, upper, team.landmarks, np.where(np.isfinite(arena), arena, lower[0])])
+    least, greatest = places.min(axis=0), places.max(axis=0)
+    far = FAR * max(1.0, float((greatest - least).max()))
+    return np.stack([least - far, greatest + far])
+
+
+def conflict_of(error: Inconsistent, cases: Sequence[Premises]) -> Conflict:
+    """Return what is in conflict where an update has raised an error.
 
     Of several cases, each of which tells all that the update rests on, the first counts that can be proved. That robots are in
     the arena is taken for granted first, and is named only if the others do not exclude one another without.
     """
     for case in cases:
-        parts = tuple(part for part in case.parts if part.reading not in dropped)
+        parts = case.parts
         for some in (case.near(parts, error.sources), parts):
             around = case.arenas(range(case.team.robots))
             if case.exclude(around + some):

@@ -1,13 +1,13 @@
-"""The set-membership filter: predict, then headings, merge, prune, project. A belief goes in and a new belief comes out."""
+"""The strict filter: predict, then headings, merge, prune, project. A belief goes in and a new belief comes out."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from typing import Any, Literal, Self, get_args
+from typing import Any, Self
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, checked, function, instance, number, several, shown, whole, whole_number
+from filter.arrays import Array, Frozen, Integers, checked, function, instance, number, several, whole, whole_number
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
@@ -35,11 +35,9 @@ from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.passes import NO_ROBOTS, Merger
 from filter.sets.predict import moved
 from filter.sets.refine import refined, with_pairs
-from filter.sets.rejection import agreeing
 from filter.sets.worth import are_smaller, matter
 from filter.team import Team
 
-Policy = Literal["raise", "reject"]
 PHASES = ("predict", "headings", "merge", "prune", "project", "forget")
 
 
@@ -47,8 +45,10 @@ def _unheard(phase: str) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
-class SetMembershipFilter(Frozen):
+class StrictFilter(Frozen):
     """A `Filter`: keeps a belief about a moving team that contains the truth as long as every declared bound holds.
+
+    What is proved to disagree raises `Inconsistent`. `SetMembershipFilter` is this one, and can go on after that.
 
     Raises `InvalidInput` if an attribute is of another type or out of its range, or no such solver is installed.
 
@@ -69,8 +69,6 @@ class SetMembershipFilter(Frozen):
             them (see `filter.poses.cells`); with 0 an update is one pass.
         slices: In how many slices the poses of a wide heading are taken along at most (see `filter.poses.slices`).
         scope: From how much of the team regions are found: all of it, or what each robot would hear.
-        policy: What to do when measurements are proved to disagree: "raise", or "reject" the fewest and newest of those
-            in conflict that let the rest agree, each one an event of the belief, whose guarantee is suspended from then on.
         budget: How long an update may take, or None; robots whose turn has not come keep their propagated regions.
         on_phase: Told the name of each phase of a step as it begins, one of PHASES; for whoever wants to take the time.
         threads: How many windows are projected at a time, from 1 on; None for as many as there are cores. The result
@@ -89,15 +87,9 @@ class SetMembershipFilter(Frozen):
     cells: int = field(default=64, metadata=checked(whole_number, "cells", 0, 1024))
     slices: int = field(default=12, metadata=checked(whole_number, "slices", 0, 512))
     scope: Window = field(default_factory=Window.everybody, metadata=checked(instance, "scope", Window))
-    policy: Policy = "raise"
     budget: Budget | None = field(default=None, metadata=checked(instance, "budget", Budget, type(None)))
     threads: int | None = field(default=None, metadata=checked(whole_number, "threads", 1, optional=True))
     on_phase: Callable[[str], object] = field(default=_unheard, metadata=checked(function, "on_phase"))
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not isinstance(self.policy, str) or self.policy not in get_args(Policy):
-            raise InvalidInput(f"a policy among {', '.join(get_args(Policy))}", shown(self.policy))
 
     @classmethod
     def light(cls, team: Team, **options: Any) -> Self:
@@ -169,23 +161,24 @@ class SetMembershipFilter(Frozen):
 
         Their order, and how they are split into records, makes no difference to any bit.
 
-        Raises `Inconsistent` if they are proved to exclude one another or what is known, as some bound is broken; with the
-        policy "reject" only if none of these measurements is in the conflict.
+        Raises `Inconsistent` if they are proved to exclude one another or what is known, as some bound is broken.
         """
         self.on_phase("headings")
         self.team.check_belief(belief, Belief, "headings")
         records = self.team.checked(belief.time, measurements, belief.guarantee.away)
         is_over = self.budget.begin() if self.budget else never
-        cases = [Premises(belief, None, records, self.team, self._excludes)]
-        if belief.moved:
-            motion = belief.time, belief.moved.odometry
-            cases.insert(0, Premises(belief.moved.before, motion, records, self.team, self._excludes))
-        if self.policy == "reject":
-            return agreeing(lambda kept: self._updated(belief, kept, is_over), records, cases)
         try:
             return self._updated(belief, records, is_over)
         except Inconsistent as error:
-            raise Inconsistent(error.what, conflict_of(error, cases).sources, error.robot) from None
+            raise self._named(belief, records, error) from None
+
+    def _named(self, belief: Belief, measurements: tuple[Measurement, ...], error: Inconsistent) -> Inconsistent:
+        """Return the error of an update that names what is in conflict."""
+        cases = [Premises(belief, None, measurements, self.team, self._excludes)]
+        if belief.moved:
+            motion = belief.time, belief.moved.odometry
+            cases.insert(0, Premises(belief.moved.before, motion, measurements, self.team, self._excludes))
+        return Inconsistent(error.what, conflict_of(error, cases).sources, error.robot)
 
     def advance(self, belief: Belief, frames: Sequence[Frame]) -> Belief:
         """Return the belief after several instants, at the last of them: by one prediction and one update.

@@ -8,11 +8,11 @@ from helpers.worlds import World
 from scipy.stats import chi2
 
 from filter import Bearing, Compass, Odometry, Range, Sensor
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.ekf import UNIFORM, ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 TEAM = Team(3, landmarks=[[4.0, 1.0]], speed_limit=0.5, turn_rate_limit=1.0)

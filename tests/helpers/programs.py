@@ -8,6 +8,7 @@ from helpers.worlds import World, exact_claim, unit
 from scipy import sparse
 from scipy.optimize import linprog
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope, prune
@@ -23,7 +24,6 @@ from filter.projection.window import Window, links, program_of
 from filter.sensing.readings import Readings
 from filter.sets.passes import Merger
 from filter.sets.proof import Proof
-from filter.sets.set_membership import SetMembershipFilter
 
 EVERYTHING = Stop(1.0, searches=400)
 STRICT = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}

@@ -8,8 +8,8 @@ from helpers.worlds import World, escapes
 from experiments.following.scenarios import CORNERS
 from experiments.logs import Header, InitialSet, LogWriter
 from filter import Frame, Odometry, Truth
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.polygon import Polygon
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 BOX = Polygon.box([0, 0], [1, 1])

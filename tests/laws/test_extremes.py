@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from filter import Bearing, Compass, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.linear.program import LinearProgram, twice_precise_dot
 from filter.linear.solvers import deepest_point, workspace
-from filter.sets.set_membership import SetMembershipFilter
 
 seeds = st.integers(0, 2**32 - 1)
 FAR = np.array([[0.0, 0.0], [4.4e5, 5.3e6], [-1e7, 1e7]])

@@ -1,7 +1,5 @@
 """Whatever filter runs, its belief says whether its guarantee is in force, since when it is not, and why."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from helpers.worlds import World
@@ -53,20 +51,31 @@ def test_one_that_is_suspended_stays_so_since_the_first_time_and_for_the_first_r
 
 
 @pytest.mark.parametrize("options", [{}, {"exact": False}, {"scope": Window(1)}, {"pairs": 0}], ids=str)
-def test_a_rejection_suspends_it_for_good(options):
-    """It is a guess that the rejected record was at fault: after a wrong one, what is known may exclude the truth for ever."""
+def test_after_a_conflict_it_is_in_force_on_an_assumption(options):
     filter_ = SetMembershipFilter(TEAM, policy="reject", **options)
     before = filter_.predict(filter_.update(filter_.start(0.0, BOXES), [Range(0.0, 0, 2, 4.0, 1.0, 0.0)]), 1.0)
     belief = filter_.update(before, [LIE])
-    assert before.guarantee.in_force.all()
-    assert belief.guarantee.suspended_since.tolist() == [1.0, 1.0]
-    assert belief.guarantee.because[0] == str(belief.events[0])
+    assert str(before.guarantee) == "in force"
+    assert belief.guarantee.in_force.all()
+    said = belief.guarantee.assuming
+    assert said.startswith("if only one of these is wrong since 0.000 s: ")
     later = filter_.predict(belief, 2.0, Odometry(1.0, 2.0, 0, 0.1, 0.01, 0.0, 0.01, 0.01, 0.01))
-    for records in ([], [Compass(2.0, 0, 0.0, 0.1)], [replace(LIE, time=2.0)]):
-        assert filter_.update(later, records).guarantee.because == belief.guarantee.because
-        assert filter_.update(later, records).guarantee.suspended_since.tolist() == [1.0, 1.0]
-    agreeing = SetMembershipFilter(TEAM)  # whatever filter goes on with it
-    assert not agreeing.update(agreeing.predict(belief, 2.0), []).guarantee.in_force.any()
+    for records in ([], [Compass(2.0, 0, 0.0, 0.1)]):
+        assert filter_.update(later, records).guarantee.assuming == said
+    agreeing = SetMembershipFilter(TEAM, **options)  # whatever filter goes on with it
+    assert agreeing.update(agreeing.predict(belief, 2.0), []).guarantee.assuming == said
+
+
+def test_it_is_suspended_for_some_robots_and_restored_for_one():
+    some = Guarantee.full(3).suspended(1.0, "a lie", {0, 2})
+    assert some.in_force.tolist() == [False, True, False]
+    assert some.because == ("a lie", "", "a lie")
+    assert some.restored(2).in_force.tolist() == [False, True, True]
+    assert str(some.restored(2)) == "suspended for robot 0 since 1.000 s, as a lie"
+    assert (
+        str(some.under("if all is well")) == "suspended for robot 0, robot 2 since 1.000 s, as a lie; in force if all is well"
+    )
+    assert str(Guarantee.full(1).under("if all is well").under("")) == "in force"
 
 
 def test_with_the_policy_that_raises_it_is_never_suspended():

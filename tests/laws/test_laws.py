@@ -8,6 +8,7 @@ from helpers.programs import on_robot
 from helpers.worlds import World, escapes, feasible, of_robot, unit
 
 from filter import Bearing, Compass, Odometry, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -17,7 +18,6 @@ from filter.linear.solvers import deepest_point, workspace
 from filter.projection.proved import position
 from filter.projection.search import project
 from filter.projection.stop import Stop
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 # A search that goes on until nothing is left to find.

@@ -7,6 +7,7 @@ from helpers.worlds import NO_ROWS, World, claims_of, exact_slack, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.geometry.sector import trapezoid
@@ -18,7 +19,6 @@ from filter.linear.sources import Sources
 from filter.sensing.motion import CORNERS, Displacements
 from filter.sets.belief import Belief
 from filter.sets.predict import moved
-from filter.sets.set_membership import SetMembershipFilter
 
 FAR, WIDE = 1e3, 50.0  # no displacement is so long; no set of these is so far away [m]
 EVERYWHERE = np.array([[-np.inf] * 2, [np.inf] * 2])

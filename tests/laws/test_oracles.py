@@ -5,12 +5,12 @@ import pytest
 from helpers.worlds import World, random_program, unit
 from scipy.optimize import linprog
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.polygon import Polygon
 from filter.linear.solvers import workspace
 from filter.projection.proved import position
 from filter.projection.stop import Stop
 from filter.sets import set_membership
-from filter.sets.set_membership import SetMembershipFilter
 
 # PIQP's optimum is this close to that of HiGHS, with the box as the unit.
 SUPPORT = 1e-7

@@ -8,21 +8,27 @@ import pytest
 
 from filter import (
     AngularIntervals,
+    Confirmed,
     Disagreement,
     Distrusted,
+    Doubted,
     Fallback,
     Guarantee,
     Inconsistent,
     InvalidInput,
+    Judged,
     Late,
     Mistimed,
     Odometry,
+    Passed,
     Polygon,
     Position,
     Rejected,
     Restarted,
     SetMembershipFilter,
     Source,
+    StartsOver,
+    Suspect,
     Team,
     Turned,
     watch,
@@ -41,6 +47,17 @@ def alarm(shift):
 
 SAID = [
     (Rejected(SEEN, (KNOWN, SEEN)), "rejected sighting of bob to gate at 2.000 s; in conflict: region of alice at 1.000 s; "),
+    (Suspect("past", 1), "odometry or start of bob"),
+    (Suspect("compass", 1), "compass of bob"),
+    (Suspect("sensor", 1), "sensor of bob"),
+    (Suspect("body", None, 3), "place or marker of gate"),
+    (Suspect("sighting", 1, 3), "what bob takes for gate"),
+    (Suspect("exchange", 1, 2), "markers of bob and carol, exchanged"),
+    (Doubted(2.0, 1.0, (SEEN,), (Suspect("sensor", 1),)), "in doubt since 1.000 s: sensor of bob; in conflict: sighting "),
+    (Judged(2.0, Suspect("body", None, 3), "trusted again", "evidence"), "trusted again, by evidence: place or marker of gate"),
+    (Passed(2.0, 1.0, (Suspect("sensor", 1),)), "in doubt no longer; wrong for a while since 1.000 s was one of: sensor "),
+    (StartsOver(2.0, (0, 2), (SEEN,)), "starting over, guarantee suspended: alice, carol; more is wrong than one of: "),
+    (Confirmed(2.0, 2), "carol is where it is said to be: guarantee in force again"),
     (Disagreement(2.0, 1, (SEEN,)), "on bob disagree, one of them is wrong: sighting of bob to gate at 2.000 s"),
     (Restarted(3.0, 2, 1.5, "it is lost"), "carol starts over, guarantee suspended since 1.500 s: it is lost"),
     (Distrusted(3.0, "camera", "robot", 2, True, 1.0, (0, 3)), "camera of carol put aside at 3.000 s: sightings of alice, "),
@@ -132,10 +149,10 @@ def test_who_is_placed_outside_the_arena_is_named():
         filter_.placed(filter_.start(0.0, [SQUARE] * 2), 1, Polygon.box([3, 3], [4, 4]))
 
 
-def test_why_a_guarantee_is_suspended_has_names():
+def test_what_a_guarantee_assumes_has_names():
     filter_ = SetMembershipFilter(ARENA, policy="reject")
     far = Position.within(0.0, 1, Polygon.box([1.5, 1.5], [1.9, 1.9]))
     guarantee = filter_.update(filter_.start(0.0, [SQUARE] * 2), [far]).guarantee
-    told = "rejected position of bob at 0.000 s; in conflict: initial set of bob at 0.000 s; position of bob at 0.000 s"
-    assert guarantee.because == (told, told)
-    assert ARENA.words(guarantee) == f"suspended for alice, bob since 0.000 s, as {told}"
+    told = "if only one of these is wrong since 0.000 s: odometry or start of bob; sensor of bob"
+    assert guarantee.assuming == told
+    assert ARENA.words(guarantee) == f"in force {told}"

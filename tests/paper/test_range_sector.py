@@ -6,12 +6,12 @@ import shapely
 
 from experiments.paper.range_sector import least_overestimate, overestimate, polygon_area, polygon_of_rows, sector_area
 from filter import Bearing, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.projection.stop import Stop
 from filter.sensing.rows import TANGENT_SPACING
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 # The filter widens every bearing and range by 1e-8; a share of a thin area is more than that.

@@ -7,12 +7,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from filter import Bearing, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
 from filter.poses.cells import ByCases, Most, Scene, Told
 from filter.poses.slices import Slices
 from filter.sensing.readings import Readings
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 seeds = st.integers(0, 2**32 - 1)

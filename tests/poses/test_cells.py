@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filter import Bearing, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
@@ -15,7 +16,6 @@ from filter.poses.cell import CELL_CORNERS, Scale, cut
 from filter.poses.cells import Most, Scene, Told, as_sets
 from filter.poses.slices import Slices
 from filter.sensing.readings import Readings
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 seeds = st.integers(0, 2**32 - 1)

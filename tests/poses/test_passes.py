@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from experiments.following.simulated import from_simulator
 from experiments.following.steps import steps
 from filter import Bearing, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
@@ -22,7 +23,6 @@ from filter.sensing.rows import WIDENING
 from filter.sets.belief import Belief
 from filter.sets.merged import Directions
 from filter.sets.passes import boxed_at_a_glance
-from filter.sets.set_membership import SetMembershipFilter
 from filter.sets.worth import are_smaller, matter
 from filter.team import Team
 from sim.episode import episode

@@ -6,10 +6,10 @@ from helpers.programs import round_set
 from helpers.teams import begun
 from helpers.worlds import World, escapes
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import InvalidInput
 from filter.projection.stop import REASONS, Budget, Stop, never
 from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
 
 
 class Ticks:

@@ -17,6 +17,7 @@ from helpers.teams import begun, beliefs
 from helpers.worlds import NO_ROWS, World, escapes, unit
 
 from filter import Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -26,7 +27,6 @@ from filter.projection.fallback import Fallback
 from filter.projection.stop import Stop
 from filter.projection.team import Projector
 from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))

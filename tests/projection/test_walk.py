@@ -18,13 +18,13 @@ from helpers.programs import (
 from helpers.teams import begun
 from helpers.worlds import World, unit
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.projection.sheet import Task, blank
 from filter.projection.simplex import FOUND, LOST
 from filter.projection.stop import REASONS, Stop
 from filter.projection.walk import edges_of, plane_of, project_some, vertices_of, walked
-from filter.sets.set_membership import SetMembershipFilter
 
 DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))
 BOTH = ("piqp", "highs")

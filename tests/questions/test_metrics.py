@@ -6,13 +6,13 @@ import pytest
 
 from experiments.following.metrics import Metrics
 from filter import Bearing, Compass, Frame, Position, Truth
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
 from filter.projection.claims import Hulls
 from filter.sets.regions import Regions
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 TEAM = Team(2)

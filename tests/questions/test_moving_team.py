@@ -243,14 +243,14 @@ def test_what_is_rejected_suspends_the_guarantee_and_everything_says_so(simulate
     log, out = changed_log(simulated, tmp_path / "log.jsonl", broken), tmp_path / "out"
     assert main(["--replay", str(log), "--policy", "reject", "--out", str(out)]) == 4
     summary = summary_in(out)
-    assert summary["rejected"] > 0
+    assert summary["doubts"] > 0
     assert (summary["guarantee_in_force"], summary["guarantee_suspended_since_s"]) == (False, 1.0)
-    assert "rejected range of robot" in summary["guarantee_suspended_because"]
+    assert "more is wrong than one of: " in summary["guarantee_suspended_because"]
     told = capsys.readouterr()
     assert "guarantee_in_force" in told.out
-    assert "the guarantee is suspended for robots 0, 1, 2 since 1.000 s, as rejected range" in " ".join(told.err.split())
+    assert "since 1.000 s, as more is wrong than one of: " in " ".join(told.err.split())
     events = [row["value"][0] for row in rows_of(out / "moving_team.rrd", "/events", "TextLog:text")]
-    assert [event[:29] for event in events if "guarantee" in event] == ["1.0 s: guarantee suspended fo"]
+    assert [event[:29] for event in events if "guarantee suspended for" in event] == ["1.0 s: guarantee suspended fo"]
     assert len(rows_of(out / "moving_team.rrd", "/world/suspended/r0", "LineStrips3D:strips")) == 10
 
 

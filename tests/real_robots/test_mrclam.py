@@ -1,7 +1,6 @@
 import json
 import re
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from experiments.real_robots.carried import Carried
 from experiments.real_robots.data import read_run
 from experiments.real_robots.faults import FAULTS
 from experiments.real_robots.figures import stretches
-from experiments.real_robots.followed import Followed, anywhere, rejecting, team_filter, voting
+from experiments.real_robots.followed import Followed, rejecting, team_filter, voting
 from experiments.real_robots.frames import Start, frames
 from experiments.real_robots.kalman import kalman_filter
 from experiments.real_robots.metrics import Escaped, Table, Tally, longest, measured_by, summary_of
@@ -158,19 +157,14 @@ def test_robots_are_numbers_with_commas():
         numbers_of("1;2")
 
 
-def test_measurements_that_cannot_be_are_rejected_and_the_guarantee_is_suspended(tmp_path):
+def test_measurements_that_cannot_be_are_in_doubt(tmp_path):
     folder = write_run(tmp_path / "made", Made(duration=3.0, range_scale=3.0))
-    scenario = frames(read_run(folder), (1, 2))
-    steps = list(rejecting(scenario))
+    steps = list(rejecting(frames(read_run(folder), (1, 2))))
     first = next(k for k, step in enumerate(steps) if step.rejected or step.resets)
     assert not any(step.suspended.any() for step in steps[:first])
     assert all(step.events for step in steps if step.rejected)
-    for before, after in pairwise(steps):
-        if after.resets:
-            assert not after.suspended.any()
-            assert after.belief.regions[0].outer.area == pytest.approx(anywhere(scenario.team)[0].area)
-        elif before.suspended.any() or after.rejected:
-            assert after.suspended.all()
+    assert any(step.rejected for step in steps)
+    assert all(step.suspended.any() for step in steps if step.resets)
 
 
 def test_the_kalman_filter_follows_and_keeps_the_truth_in_its_ellipses(folder):

@@ -93,11 +93,12 @@ def test_two_fixes_that_exclude_one_another_are_named_once_each():
     assert {(source.kind, source.robot) for source in caught.value.sources} == {("position", 0), ("initial set", 0)}
 
 
-def test_a_fix_that_is_rejected_goes_as_a_whole():
+def test_a_fix_that_is_in_doubt_is_so_as_a_whole():
     filter_ = SetMembershipFilter(TEAM, policy="reject")
     belief = updated([Position.fix(0.0, 0, [9, 9], 0.1), Position.fix(0.0, 1, [1, 1], 0.1)], filter_)
-    assert [str(event.source) for event in belief.events] == ["position of robot 0 at 0.000 s"]
-    assert belief.regions.outer.areas == pytest.approx([36, 0.04], rel=1e-5)
+    assert {suspect.who for suspect in belief.suspects} == {("past", 0, -1), ("sensor", 0, -1)}
+    assert belief.regions[0].outer.contains([[9, 9], [-3, -3], [3, -3], [-3, 3]]).all()
+    assert belief.regions[1].outer.area == pytest.approx(0.04, rel=1e-5)
 
 
 def test_a_kalman_filter_takes_the_middle_of_a_fix_and_nothing_of_a_half_plane():

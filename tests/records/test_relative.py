@@ -12,7 +12,6 @@ from filter import (
     InvalidInput,
     Odometry,
     Polygon,
-    Rejected,
     RelativeHeading,
     RobustFilter,
     Sensor,
@@ -111,7 +110,10 @@ def started(team, filter_):
     return filter_.start(0.0, [Polygon.box([-1, -1], [1, 1])] * team.robots)
 
 
-def test_who_disagrees_is_named_and_dropped():
+EXCHANGED = ("exchange", 1, 2)
+
+
+def test_who_disagrees_is_named():
     team = Team(3, arena=ARENA)
     lies = [Compass(0.0, 0, 0.0, 0.1), Compass(0.0, 1, 1.0, 0.1), RelativeHeading(0.0, 0, 1, 2.0, 0.1)]
     filter_ = SetMembershipFilter(team)
@@ -120,9 +122,9 @@ def test_who_disagrees_is_named_and_dropped():
     named = {(source.kind, source.robot, source.target) for source in caught.value.sources}
     assert named == {("compass", 0, None), ("compass", 1, None), ("relative heading", 0, 1)}
     filter_ = SetMembershipFilter(team, policy="reject")
-    (event,) = filter_.update(started(team, filter_), lies).events
-    assert isinstance(event, Rejected)
-    assert event.source.kind == "relative heading"
+    belief = filter_.update(started(team, filter_), lies)
+    found = {suspect.who for suspect in belief.suspects}
+    assert found == {("compass", 0, -1), ("compass", 1, -1), ("sensor", 0, -1), ("body", -1, 1), ("sighting", 0, 1), EXCHANGED}
 
 
 def test_the_kalman_filter_turns_by_it_across_half_a_turn():

@@ -149,11 +149,11 @@ def test_a_truth_outside_ends_with_1(log, tmp_path, wrong):
     assert summary_in(tmp_path / "out")["escapes_in_force"] > 0
 
 
-def test_a_suspended_guarantee_ends_with_4_and_a_conflict_with_1(tmp_path, capsys):
+def test_a_lie_is_lived_with_and_a_conflict_ends_with_1(tmp_path, capsys):
     log = write_log(tmp_path / "own.jsonl", change=lie)
-    assert main([str(log), "--policy", "reject", "--out", str(tmp_path / "reject")]) == 4
-    assert [line["in_force"] for line in lines_in(tmp_path / "reject")[::2]] == [True] * 4 + [False] * 4
-    assert "the guarantee is suspended" in capsys.readouterr().err
+    assert main([str(log), "--policy", "reject", "--out", str(tmp_path / "reject")]) == 0
+    assert all(line["in_force"] for line in lines_in(tmp_path / "reject"))
+    assert summary_in(tmp_path / "reject")["doubts"] > 0
     assert main([str(log), "--out", str(tmp_path / "raise")]) == 1
     assert "compass of r0" in summary_in(tmp_path / "raise")["inconsistent"]
     assert len(lines_in(tmp_path / "raise")) == 8

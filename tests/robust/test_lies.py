@@ -6,10 +6,10 @@ from helpers.liars import LIES, Liar
 from helpers.worlds import World, escapes
 
 from filter import Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.geometry.polygon import Polygon
 from filter.projection.fallback import Fallback
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 # Two solvers give the same area to this share; the search stops at 95 % of what is possible.

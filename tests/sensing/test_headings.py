@@ -5,11 +5,11 @@ import pytest
 from helpers.worlds import World, of_robot
 
 from filter import AngularIntervals, Bearing, Compass, Range, Sensor, Source, Team
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.sensing.headings import narrowed_headings
 from filter.sensing.readings import Readings
 from filter.sensing.rows import spans_of_targets
-from filter.sets.set_membership import SetMembershipFilter
 
 
 def begun(seed, errors="uniform"):

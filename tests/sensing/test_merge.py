@@ -6,11 +6,11 @@ from helpers.programs import merging
 from helpers.teams import begun
 from helpers.worlds import World, exact_row_slack
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.guarantee import Guarantee
 from filter.linear.sources import Source
 from filter.sensing.readings import KIND_OF, Readings
 from filter.sets.belief import Belief
-from filter.sets.set_membership import SetMembershipFilter
 
 SPACING = np.radians(15)
 

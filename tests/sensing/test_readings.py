@@ -6,10 +6,10 @@ from helpers.teams import begun
 from helpers.worlds import World
 
 from filter import Bearing, Compass, Position, Range, RelativeHeading
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.linear.sources import Source, Sources
 from filter.records.record import field_names
 from filter.sensing.readings import KIND_OF, Readings
-from filter.sets.set_membership import SetMembershipFilter
 
 
 def pieces(rng, records):

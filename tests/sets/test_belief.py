@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from helpers.worlds import World, exact_claim
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.linear.sources import KINDS, Source, Sources
 from filter.sets.proof import Proof
-from filter.sets.set_membership import SetMembershipFilter
 
 
 def arrays_within(thing):

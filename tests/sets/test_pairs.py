@@ -8,6 +8,7 @@ from helpers.programs import every_pair, everybody, merged_team, supports
 from helpers.teams import beliefs
 from helpers.worlds import World, escapes, exact_claim, unit
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.projection.fallback import Fallback
@@ -16,7 +17,6 @@ from filter.projection.team import Projector
 from filter.projection.window import Window
 from filter.sets.belief import Belief
 from filter.sets.refine import NEAR, chosen_pairs, with_pairs
-from filter.sets.set_membership import SetMembershipFilter
 
 DIRECTIONS = unit(np.linspace(-np.pi, np.pi, 13))
 

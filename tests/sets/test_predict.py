@@ -11,6 +11,7 @@ from helpers.worlds import World, escapes, unit
 from hypothesis import given
 from hypothesis import strategies as st
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -24,7 +25,6 @@ from filter.sensing.motion import displacements
 from filter.sets.belief import Belief
 from filter.sets.predict import moved, rows_through_corners
 from filter.sets.proof import Proof
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 EVERYWHERE = np.array([[-np.inf] * 2, [np.inf] * 2])

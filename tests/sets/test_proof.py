@@ -3,13 +3,13 @@
 import numpy as np
 
 from filter import Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.polygon import Polygon
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
 from filter.projection.claims import Weights
 from filter.sets.proof import Proof, causes_of
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 EAST, NORTH = np.array([1.0, 0.0]), np.array([0.0, 1.0])

@@ -6,6 +6,7 @@ from helpers.programs import merged_team, on_robot
 from helpers.teams import begun, beliefs
 from helpers.worlds import World, escapes, exact_claim
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import SIDES, Polygon
@@ -19,7 +20,6 @@ from filter.projection.team import Projector
 from filter.projection.window import Window
 from filter.sets.belief import Belief
 from filter.sets.refine import edges_as_rows, proved_boxes, refined
-from filter.sets.set_membership import SetMembershipFilter
 
 WAYS = {
     "walk": Projector(Window.everybody(), Stop()),

@@ -6,13 +6,13 @@ from helpers.programs import on_robot
 from helpers.teams import begun
 from helpers.worlds import World
 
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.linear.polytope import Polytope
 from filter.projection.claims import Hulls, Outlines
 from filter.projection.window import Window
 from filter.sets.regions import Regions
-from filter.sets.set_membership import SetMembershipFilter
 
 
 @pytest.mark.parametrize("scope", [Window.everybody(), Window()])

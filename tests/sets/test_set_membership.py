@@ -7,6 +7,7 @@ from helpers.teams import BOX, TEAM, beliefs, estimator, odometry, snapshot, sta
 from helpers.worlds import World, escapes, outside_hull
 
 from filter import Bearing, Compass, Range
+from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
@@ -14,7 +15,6 @@ from filter.linear.constraints import WORLD
 from filter.linear.sources import Source
 from filter.projection.stop import Stop
 from filter.projection.window import Window
-from filter.sets.set_membership import SetMembershipFilter
 from filter.team import Team
 
 BAD_UPDATES = {
@@ -86,7 +86,7 @@ BAD_STARTS = {
     "too many sets": (lambda: {"positions": [BOX] * 3}, "came 3 polygons"),
     "empty set": (lambda: {"positions": [BOX, Polygon.box([1, 0], [0, 1])]}, "lower corner"),
     "no point": (lambda: {"positions": [BOX, Polygon.from_vertices(np.zeros((0, 2)))]}, "at least one point"),
-    "outside": (lambda: {"positions": [BOX, Polygon.box([12, 0], [13, 1])]}, "robot 1 wholly outside"),
+    "outside": (lambda: {"positions": [BOX, Polygon.box([12, 0], [13, 1])]}, "r1 wholly outside"),
     "arcs": (lambda: {"headings": AngularIntervals.circles(3)}, "each of 2 headings, none empty; came 3 arcs"),
     "empty arc": (lambda: {"headings": AngularIntervals([0.0, 0.0], [0.1, -1.0])}, "none empty"),
     "no number": (lambda: {"headings": AngularIntervals([0.0, np.nan], [0.1, 0.1])}, "finite|number"),

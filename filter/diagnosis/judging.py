@@ -1,0 +1,188 @@
+"""The time of a doubt: hypotheses side by side, what is said of them together, and how it ends."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+
+from filter.arrays import Array
+from filter.diagnosis.cover import cover_of
+from filter.diagnosis.evidence import is_enough
+from filter.diagnosis.hypotheses import Strict, merged, moved_on, tried_again
+from filter.diagnosis.starting_over import Wrong, more_is_wrong
+from filter.diagnosis.suspects import suspects_of
+from filter.diagnosis.told import Records, without_robots
+from filter.linear.sources import Source
+from filter.records.odometry import Odometry
+from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial
+from filter.sets.suspect import Doubted, Judged, Passed, Suspect
+
+RENEWED = 3  # for so many updates after a conflict the odometry of a robot may go on being wrong
+NAMED_FIRST = ("sighting", "compass", "body", "exchange", "sensor", "past")  # of those who leave out the same this one is named
+
+
+def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis, conflict: tuple[Source, ...]) -> Belief:
+    """Return what is known when a conflict is proved: whichever one of the suspects is wrong, since the oldest instant kept.
+
+    Args:
+        strict: What the strict filter does.
+        belief: What was known, or predicted, before the measurements.
+        records: These.
+        diagnosis: With the last instants, this one among them.
+        conflict: What is proved to exclude one another.
+    """
+    since = diagnosis.recent[0].before.time
+    frames = [frame for each in diagnosis.recent for frame in each.frames]
+    suspects = suspects_of(conflict, frames, strict.robots, since)
+    living = tried_again(strict, diagnosis.recent, suspects)
+    begun = replace(
+        diagnosis,
+        recent=(),
+        hypotheses=living,
+        conflict=conflict,
+        since=since,
+        metres=np.zeros(strict.robots),
+        instants=0,
+        by_proof=True,
+        aside=tuple(replace(trial, belief=None) for trial in diagnosis.aside),
+    )
+    if not living:
+        if belief.time == frames[-1].time:
+            return more_is_wrong(strict, belief, records, begun, Wrong(conflict))
+        return more_is_wrong(strict, _elsewhere(strict, belief, frames[-1].time), (), begun, Wrong(conflict, everybody=True))
+    return judged(strict, begun, (Doubted(living[0].belief.time, since, conflict, begun.suspects),))
+
+
+def predicted(strict: Strict, belief: Belief, diagnosis: Diagnosis, time: float, odometry: Odometry | None) -> Belief:
+    """Return what is known in a doubt at a later time [s]."""
+    is_early = diagnosis.instants < RENEWED
+    tried = [moved_on(strict, each, time, odometry, is_early=is_early) for each in diagnosis.hypotheses]
+    living = tuple(each for each in tried if each is not None)
+    now = replace(diagnosis, hypotheses=living, metres=driven(diagnosis.metres, odometry, strict.robots))
+    if not living:
+        later = _elsewhere(strict, belief, time)
+        return more_is_wrong(strict, later, (), now, Wrong(diagnosis.suspects, everybody=True))
+    return judged(strict, now, innocent(diagnosis, living, time), ends=False)
+
+
+def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Records) -> Belief:
+    """Return what is known in a doubt after measurements of its time. Robots that start over are not listened to meanwhile."""
+    heard = without_robots({trial.suspect.who[1] for trial in diagnosis.suspended}, records) if diagnosis.suspended else records
+    is_early = diagnosis.instants < RENEWED
+    living = tuple(chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses))
+    now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1)
+    if not living:
+        return more_is_wrong(strict, belief, heard, now, Wrong(diagnosis.suspects))
+    return judged(strict, now, innocent(diagnosis, living, belief.time))
+
+
+def _elsewhere(strict: Strict, belief: Belief, time: float) -> Belief:
+    """Return the belief at a later time [s] if every robot can be anywhere."""
+    there = sorted(set(range(strict.robots)) - belief.guarantee.away)
+    for robot in there:
+        belief = strict.anywhere(belief, robot)
+    belief = strict.predicted(belief, time, None)
+    for robot in there:
+        belief = strict.anywhere(belief, robot)
+    return belief
+
+
+def driven(before: Array | None, odometry: Odometry | None, robots: int) -> Array:
+    """Return how far (n,) robots have driven [m]."""
+    metres = np.zeros(robots) if before is None else before.copy()
+    if odometry is not None:
+        metres[odometry.robot] += np.abs(odometry.distance)
+    return metres
+
+
+def innocent(before: Diagnosis, living: Sequence[Hypothesis], time: float) -> tuple[Event, ...]:
+    """Return that those are acquitted, by proof, who are no longer suspected."""
+    left = {suspect for each in living for suspect in each.suspects}
+    return tuple(Judged(time, suspect, "acquitted", "proof") for suspect in before.suspected if suspect not in left)
+
+
+def judged(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...], *, ends: bool = True) -> Belief:
+    """Return what is known in a doubt, or at the end of it if there is but one hypothesis left; by evidence, too."""
+    living, freed = _acquitted(diagnosis) if ends else (diagnosis.hypotheses, ())
+    time = living[0].belief.time
+    events += tuple(Judged(time, suspect, "acquitted", "evidence") for suspect in freed)
+    now = replace(diagnosis, hypotheses=living, by_proof=diagnosis.by_proof and not freed)
+    if ends and len(living) == 1:
+        return _settled(strict, now, events)
+    cover = cover_of([each.belief for each in living])
+    fallbacks = tuple(dict.fromkeys(event for each in living for event in each.belief.events))
+    guarantee = cover.guarantee.under(assumption(strict, now.since, now.suspects, now.aside))
+    return replace(cover, guarantee=guarantee, events=events + fallbacks, diagnosis=now)
+
+
+def _acquitted(diagnosis: Diagnosis) -> tuple[tuple[Hypothesis, ...], tuple[Suspect, ...]]:
+    """Return the hypotheses, and who is acquitted, as another one has used what they say.
+
+    They can have been wrong when the doubt began: so what is known in that case stays, as one hypothesis of all who are right
+    again.
+    """
+    metres = np.zeros(0) if diagnosis.metres is None else diagnosis.metres
+    freed = [suspect for suspect in diagnosis.suspected if _agrees(suspect, diagnosis.hypotheses, metres)]
+    living = list(diagnosis.hypotheses)
+    for suspect in freed:
+        living = _freed(living, suspect)
+    return tuple(living), tuple(freed)
+
+
+def _agrees(suspect: Suspect, hypotheses: Sequence[Hypothesis], metres: Array) -> bool:
+    """Return whether some hypothesis has used for long enough what a suspect says."""
+    others = (each for each in hypotheses if each.is_over or suspect not in each.suspects)
+    return any(is_enough(suspect, each.used, metres) for each in others)
+
+
+def _freed(living: Sequence[Hypothesis], suspect: Suspect) -> list[Hypothesis]:
+    """Return hypotheses with a suspect among those who were wrong and are right again."""
+    home = next(each for each in living if not each.is_over and suspect in each.suspects)
+    over = next((each for each in living if each.is_over), None)
+    left = replace(home, suspects=tuple(one for one in home.suspects if one != suspect))
+    others = [each for each in living if each not in {home, over}] + ([left] if left.suspects else [])
+    if over is None:
+        return [*others, Hypothesis((suspect,), home.belief, home.used, is_over=True)]
+    used = Counter(over.used) & Counter(home.used)
+    return [*others, Hypothesis((*over.suspects, suspect), cover_of([over.belief, home.belief]), used, is_over=True)]
+
+
+def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) -> Belief:
+    """Return what is known when one hypothesis is left; who is guilty is put aside, if it can go on being wrong."""
+    (last,) = diagnosis.hypotheses
+    if last.is_over:
+        guarantee = last.belief.guarantee.under(assumption(strict, 0.0, (), diagnosis.aside))
+        end = Passed(last.belief.time, diagnosis.since, diagnosis.suspects)
+        now = Diagnosis(aside=diagnosis.aside, suspended=diagnosis.suspended)
+        return replace(last.belief, guarantee=guarantee, events=(*events, end, *last.belief.events), diagnosis=now)
+    culprit = min(last.suspects, key=lambda suspect: (NAMED_FIRST.index(suspect.kind), suspect.who))
+    culprit, implied = _by_all(culprit, [trial.suspect for trial in diagnosis.aside])
+    verdict = Judged(last.belief.time, culprit, "guilty", "proof" if diagnosis.by_proof else "evidence")
+    aside = tuple(trial for trial in diagnosis.aside if trial.suspect not in implied)
+    if culprit.kind != "past":
+        aside += (Trial(culprit, last.belief.time, None, {}, np.zeros(strict.robots)),)
+    guarantee = last.belief.guarantee.under(assumption(strict, diagnosis.since, (), aside))
+    now = Diagnosis(aside=aside, suspended=diagnosis.suspended)
+    return replace(last.belief, guarantee=guarantee, events=(*events, verdict, *last.belief.events), diagnosis=now)
+
+
+def _by_all(culprit: Suspect, aside: Sequence[Suspect]) -> tuple[Suspect, list[Suspect]]:
+    """Return who else explains a wrong sighting and those before, of the same body or by the same robot; and these."""
+    if culprit.kind == "sighting":
+        of_body = [each for each in aside if each.kind == "sighting" and each.target == culprit.target]
+        by_robot = [each for each in aside if each.kind == "sighting" and each.robot == culprit.robot]
+        if of_body:
+            return Suspect("body", None, culprit.target, min(each.since for each in (culprit, *of_body))), of_body
+        if by_robot:
+            return Suspect("sensor", culprit.robot, None, min(each.since for each in (culprit, *by_robot))), by_robot
+    return culprit, []
+
+
+def assumption(strict: Strict, since: float, suspects: Sequence[Suspect], aside: Sequence[Trial]) -> str:
+    """Return what is assumed while one of some suspects is wrong, and others are not listened to."""
+    known, one = "; ".join(strict.words(trial.suspect) for trial in aside), "; ".join(map(strict.words, suspects))
+    if not suspects:
+        return f"if nothing is wrong but: {known}" if known else ""
+    return f"if only one of these is wrong since {since:.3f} s: {one}" + (f"; besides: {known}" if known else "")

@@ -1,0 +1,100 @@
+"""Where more than one thing is wrong: robots start over from anywhere, and are not relied on until all has agreed for long."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from filter.diagnosis.evidence import is_enough
+from filter.diagnosis.hypotheses import Strict
+from filter.diagnosis.told import Records, counted, without_robots, without_ties
+from filter.errors import Inconsistent
+from filter.linear.sources import Source
+from filter.sets.belief import Belief, Diagnosis, Event, Trial
+from filter.sets.suspect import Confirmed, StartsOver, Suspect
+
+
+class Wrong(NamedTuple):
+    """More is wrong than one of some, suspects or parts of a conflict."""
+
+    than: Sequence[Suspect | Source]
+    everybody: bool = False
+
+    def robots(self, count: int) -> set[int]:
+        """Return the robots, of so many, that this can be of."""
+        if self.everybody:
+            return set(range(count))
+        return {body for each in self.than for body in (each.robot, each.target) if body is not None and body < count}
+
+
+def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis, more: Wrong) -> Belief:
+    """Return what is known if not one thing alone can be wrong: the robots that this can be of start over, if need be all.
+
+    Robots that start over are apart from the others: what ties them to these is left out.
+    """
+    there = set(range(strict.robots)) - belief.guarantee.away
+    for some in (more.robots(strict.robots) & there, there):
+        begun, event = _begun(strict, belief.time, diagnosis, some, more)
+        waiting = {trial.suspect.who[1] for trial in begun}
+        apart = without_ties(waiting, strict.robots, records)
+        for heard in (apart, without_robots(some, apart), without_robots(waiting, records)):
+            try:
+                found = strict.updated(_elsewhere(strict, belief, some), heard)
+            except Inconsistent:
+                continue
+            guarantee = found.guarantee.suspended(belief.time, event.because(strict.words), some)
+            now = Diagnosis(aside=diagnosis.aside, suspended=begun)
+            return replace(found, guarantee=guarantee, events=(event, *found.events), diagnosis=now)
+    raise Inconsistent(f"at {belief.time} s, without any measurement", ())
+
+
+def _elsewhere(strict: Strict, belief: Belief, robots: Collection[int]) -> Belief:
+    """Return a belief in which some robots are anywhere."""
+    belief = belief.alone
+    for robot in sorted(robots):
+        belief = strict.anywhere(belief, robot)
+    return belief
+
+
+def _begun(
+    strict: Strict, time: float, diagnosis: Diagnosis, robots: set[int], more: Wrong
+) -> tuple[tuple[Trial, ...], StartsOver]:
+    """Return the trials of all robots that start over, some of them now, and the event."""
+    before = [trial for trial in diagnosis.suspended if trial.suspect.who[1] not in robots]
+    begun = [Trial(Suspect("past", robot, None, time), time, None, {}, np.zeros(strict.robots)) for robot in sorted(robots)]
+    return (*before, *begun), StartsOver(time, tuple(sorted(robots)), tuple(more.than))
+
+
+def merged_apart(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis) -> tuple[Belief, Diagnosis, Records]:
+    """Return what is known after measurements, apart for robots that start over; how far these have got, and what was heard.
+
+    If they are in conflict they start over once more. Raises `Inconsistent` if the others are.
+    """
+    robots = {trial.suspect.who[1] for trial in diagnosis.suspended}
+    if not robots:
+        return strict.updated(belief, records), diagnosis, records
+    heard = without_ties(robots, strict.robots, records)
+    try:
+        return strict.updated(belief, heard), _further(diagnosis, heard), heard
+    except Inconsistent:
+        heard = without_robots(robots, heard)
+    again, time = _elsewhere(strict, belief, robots), belief.time
+    begun = tuple(replace(trial, since=time, used={}, metres=0 * trial.metres) for trial in diagnosis.suspended)
+    return strict.updated(again, heard), replace(diagnosis, suspended=begun), heard
+
+
+def _further(diagnosis: Diagnosis, records: Records) -> Diagnosis:
+    trials = tuple(replace(trial, used=counted(trial.used, records)) for trial in diagnosis.suspended)
+    return replace(diagnosis, suspended=trials)
+
+
+def confirmed(belief: Belief, diagnosis: Diagnosis) -> tuple[Belief, Diagnosis, tuple[Event, ...]]:
+    """Return the same with those robots in force again that have agreed with all else for long enough, and which these are."""
+    good = [trial for trial in diagnosis.suspended if is_enough(trial.suspect, trial.used, trial.metres)]
+    guarantee = belief.guarantee
+    for trial in good:
+        guarantee = guarantee.restored(trial.suspect.who[1])
+    waiting = tuple(trial for trial in diagnosis.suspended if trial not in good)
+    events = tuple(Confirmed(belief.time, trial.suspect.who[1]) for trial in good)
+    return replace(belief, guarantee=guarantee), replace(diagnosis, suspended=waiting), events

@@ -1,0 +1,96 @@
+"""Where more than one thing is wrong, robots start over, suspended and apart, until all has agreed for long."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.drawn.broken import drawn, followed, going_on, outside, stepped
+
+from filter import (
+    Compass,
+    Confirmed,
+    Odometry,
+    Polygon,
+    Position,
+    Range,
+    SetMembershipFilter,
+    StartsOver,
+    Suspect,
+    Team,
+)
+from filter.sets.belief import Diagnosis, Trial
+
+
+def nowhere(time, robot):
+    """Return a position that nobody can be at."""
+    return Position(time, robot, [1.0, -1.0], 0.0, [0.5, -1.5])
+
+
+def twice_wrong(at=4, count=30):
+    """Yield frames, in one of which two robots say what cannot be, and the beliefs after each."""
+    episode = drawn(None, 5)
+    filter_ = going_on(episode.team)
+    belief = filter_.start(0.0, episode.positions, episode.headings)
+    for k, frame in enumerate(episode.frames[:count]):
+        lies = [nowhere(frame.time, 0), nowhere(frame.time, 1)] if k == at else []
+        belief = stepped(filter_, belief, replace(frame, measurements=[*frame.measurements, *lies]))
+        yield frame, belief
+
+
+def test_they_are_suspended_and_in_force_again_when_all_has_agreed_for_long():
+    events, suspended = [], []
+    for frame, belief in twice_wrong():
+        assert not outside(belief, frame.truth).any()
+        assert belief.regions.contains(frame.truth.positions).all()
+        events += [(frame.time, event) for event in belief.events if isinstance(event, StartsOver | Confirmed)]
+        suspended.append(belief.guarantee.lapsed.any())
+    (begun, event), *later = events
+    assert isinstance(event, StartsOver)
+    assert begun == 4.0
+    assert suspended[3:6] == [False, True, True]
+    assert {confirmed.robot for _, confirmed in later} == set(event.robots)
+    assert min(time for time, _ in later) >= begun + 10
+    assert not suspended[-1]
+    assert str(belief.guarantee) == "in force"
+    assert belief.diagnosis.suspended == ()
+
+
+def test_those_who_start_over_can_be_anywhere_and_nothing_ties_them_to_the_others():
+    episode = drawn("kidnap", 0)
+    filter_ = going_on(episode.team)
+    belief = followed(episode, filter_, 3)[-1]
+    time = belief.time
+    records = [nowhere(time, 0), replace(nowhere(time, 0), normal_x=[-1.0, 1.0])]
+    compass = Compass(time, [1, 1], [0.0, 2.0], 0.1)
+    belief = filter_.update(belief, [*records, compass])
+    (event,) = [event for event in belief.events if isinstance(event, StartsOver)]
+    apart = sorted(event.robots)
+    assert belief.guarantee.lapsed[apart].all()
+    assert belief.regions.outer.areas[apart] == pytest.approx(144.0)
+    seen = [Range(time, apart[0], 2, 1.0, 0.1, 0.0)] if 2 not in apart else []
+    assert (filter_.update(belief, seen).regions.outer.areas >= belief.regions.outer.areas - 1e-9).all()
+
+
+def test_a_conflict_among_those_who_start_over_lets_them_start_over_again():
+    *_, (frame, belief) = twice_wrong(count=7)
+    before = [trial.used for trial in belief.diagnosis.suspended]
+    assert all(before)
+    filter_ = going_on(drawn(None, 5).team)
+    robot = belief.diagnosis.suspended[0].suspect.robot
+    later = filter_.predict(belief, frame.time + 1, Odometry(frame.time, frame.time + 1, [0, 1, 2], 0.0, 0.1, 0, 4, 0.1, 0.1))
+    after = filter_.update(later, [nowhere(frame.time + 1, robot)])
+    assert all(trial.used == {} for trial in after.diagnosis.suspended)
+    assert after.guarantee.lapsed[robot]
+
+
+def test_nobody_in_force_relies_on_who_starts_over():
+    team = Team(2, [[4.0, 0.0]], arena=[[-9, -9], [9, 9]])
+    filter_ = SetMembershipFilter(team, policy="reject")
+    belief = filter_.start(0.0, [Polygon.box([-9, -9], [9, 9]), Polygon.box([-2, -2], [2, 2])])
+    trial = Trial(Suspect("past", 0), 0.0, None, {}, np.zeros(2))
+    alone = replace(belief, diagnosis=Diagnosis(suspended=(trial,)), guarantee=belief.guarantee.suspended(0.0, "a lie", {0}))
+    for lie in (Range(0.0, 0, 1, 0.1, 0.1, 0.0), Range(0.0, 1, 0, 0.1, 0.1, 0.0)):
+        after = filter_.update(alone, [lie, Range(0.0, 0, 2, 1.0, 0.1, 0.0)])
+        assert after.regions[1].outer.area == pytest.approx(16.0)
+        assert after.regions[0].outer.area < 10
+        assert after.guarantee.in_force.tolist() == [False, True]

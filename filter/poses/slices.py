@@ -30,8 +30,7 @@ QUARTER = COUNT // 4
 ANGLES = 2 * np.pi * np.arange(COUNT) / COUNT
 DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
 DIRECTIONS[np.abs(DIRECTIONS) < EPSILON] = 0.0  # the four along the axes are exact
-NARROW_HEADING = np.radians(4.0)  # a heading known as well as this by a compass has no slices, ...
-NARROW_ALONE = np.radians(2.0)  # ... and as well as this without one [rad]
+NARROW_HEADING = np.radians(4.0)  # a heading known as well as this has no slices [rad]
 FINEST_SLICE = np.radians(2.0)  # slices are no finer than this [rad]
 STRETCHED = 1.5  # slices that are so much wider than they should be, on average, are cut anew
 SLACK = 16 * ANGLE_ROUNDING  # by which arcs are wider, each time they are put together [rad]

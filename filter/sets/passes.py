@@ -18,7 +18,7 @@ from filter.linear.constraints import Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.poses.cells import Cases, Most, Scene, Told
-from filter.poses.slices import NARROW_ALONE, NARROW_HEADING, Slices
+from filter.poses.slices import NARROW_HEADING, Slices
 from filter.poses.split import WORTH_A_SLICE
 from filter.sensing.arms import Arms
 from filter.sensing.headings import narrowed_headings
@@ -60,6 +60,7 @@ class Merger(Frozen):
         most: Into how many parts a robot's poses are cut at most; with no cells never, and in one pass.
         slices: Of the poses of robots before.
         again: (c,) robots that were found in cells before, from the same readings.
+        last: Of readings of several instants those of the last one, if slices are to be cut by them.
     """
 
     polytope: Polytope
@@ -72,6 +73,7 @@ class Merger(Frozen):
     most: Most = ONE_PASS
     slices: Slices = field(default_factory=Slices.none)
     again: Integers = field(default_factory=lambda: NO_ROBOTS)
+    last: Readings | None = None
 
     def merged(self, is_over: Callable[[], bool] = lambda: False) -> Merged:
         """Return the team's polytope with the rows of positions, bearings and ranges, and the headings.
@@ -93,30 +95,28 @@ class Merger(Frozen):
             merged, passes = start._settled(is_over)
             evidence.append(cases)
         headings = passes[-1].headings
-        slices = start.slices.without(np.flatnonzero(headings.bound <= self._narrow))
+        slices = start.slices.without(np.flatnonzero(headings.bound <= NARROW_HEADING))
         return Merged(merged, headings, slices, (*evidence, *passes), wide)
 
     def _sliced(self) -> Integers:
         """Return the robots of whose poses there are to be slices: with a wide heading, and something to narrow it by."""
-        bearings, ranges = self.readings.bearings, self.readings.ranges
-        if not self.most.taken_along or self.readings.since is not None:
+        bearings, ranges = self._now.bearings, self._now.ranges
+        if not self.most.taken_along or (self.readings.since is not None and self.last is None):
             return NO_ROBOTS
         heard = np.zeros(len(self.headings) + len(self.landmarks), dtype=bool)
         for each in (bearings.robot, bearings.target, ranges.robot, ranges.target):
             heard[each] = True
-        return np.flatnonzero(heard[: len(self.headings)] & (self._looks.bound > self._narrow))
+        return np.flatnonzero(heard[: len(self.headings)] & (self._looks.bound > NARROW_HEADING))
+
+    @property
+    def _now(self) -> Readings:
+        """Readings of the last instant."""
+        return self.last or self.readings
 
     @cached_property
     def _looks(self) -> AngularIntervals:
         """(n) headings as far as compasses tell [rad]."""
-        return narrowed_headings(self.headings, self.readings, AngularIntervals.circles(len(self.readings.bearings.robot)))
-
-    @cached_property
-    def _narrow(self) -> Array:
-        """(n,) how well headings have to be known to have no slices [rad]."""
-        narrow = np.full(len(self.headings), NARROW_ALONE)
-        narrow[self.readings.compasses.robot] = NARROW_HEADING
-        return narrow
+        return narrowed_headings(self.headings, self._now, AngularIntervals.circles(len(self._now.bearings.robot)))
 
     def _placed(self) -> "Merger":
         """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are.
@@ -181,16 +181,17 @@ class Merger(Frozen):
 
     def _in_cells(self, robots: Integers, most: Most, is_over: Callable[[], bool]) -> tuple["Merger", Cases]:
         """Return what is merged into what cells leave of some robots' poses, and why."""
-        headings, time = self._looks, self.readings.ranges.time
-        told = Told.of(self.readings, headings, self.spacing, Arms.of(self.readings, headings, len(headings)))
+        headings, now = self._looks, self._now
+        told = Told.of(now, headings, self.spacing, Arms.of(now, headings, len(headings)))
         scene = Scene(self.polytope, self.sources, told, self.landmarks, self.slices)
         cases, nowhere = scene.in_cells(robots, most, is_over)
         looks = headings[cases.robot].intersection(cases.headings)  # the hull of cells may have lost a gap that was known
         if nowhere < 0 and looks.empty.any():
             nowhere = int(cases.robot[looks.empty][0])
         if nowhere >= 0:
+            time = now.ranges.time
             before = Source("region", time, nowhere), Source("heading", time, nowhere)
-            raise Inconsistent(f"at {time} s", [*before, *self.readings.concerning(nowhere)])
+            raise Inconsistent(f"at {time} s", [*before, *now.concerning(nowhere)])
         numbers = self.numbers[len(self.numbers) - len(headings) :][cases.robot]
         known = self.polytope.with_constraints(Constraints.concatenate([self.polytope.constraints, cases.constraints(numbers)]))
         slices = self.slices.replaced(cases.robot, cases.slices) if most.taken_along else self.slices

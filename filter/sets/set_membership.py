@@ -18,6 +18,7 @@ from filter.linear.polytope import Polytope, prune
 from filter.linear.solvers import Solver, checked_solvers
 from filter.linear.sources import Sources
 from filter.poses.cells import Most
+from filter.poses.slices import NARROW_HEADING
 from filter.projection.stop import Budget, IsOver, Stop, never
 from filter.projection.team import Projector
 from filter.projection.window import Window
@@ -186,6 +187,7 @@ class StrictFilter(Frozen):
         It costs about as much as one step, and says nearly as much as one for each. Where a robot is in doubt, of which cells
         would say more, or something is in conflict, it is a step for each, with the events of all. Raises what these raise.
         """
+        self.team.check_belief(belief, Belief, "headings")
         steps = several("frames", frames, Frame)
         alike = len(steps) > 1 and not any(frame.changes for frame in steps)
         if alike and (together := self._together(belief, steps)) is not None:
@@ -200,7 +202,6 @@ class StrictFilter(Frozen):
 
     def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
         """Return the belief after several instants; None where a step for each may say more, or what is in conflict."""
-        self.team.check_belief(belief, Belief, "headings")
         time, records = belief.time, list[Measurement]()
         for frame in frames:
             time = self.team.check_motion(time, frame.time, frame.odometry)
@@ -214,7 +215,9 @@ class StrictFilter(Frozen):
             looks, moves = looks_at_a_glance(since, readings)
             gone = self._gone(belief, (time, self.team.arena), moves, looks[-self.team.robots :])
             gone = replace(gone, slices=belief.slices.through(belief.time, frames, self.team))
-            found, wide = self._round(gone, readings._replace(moves=moves), is_over, NO_ROBOTS)
+            wide_looks = bool((gone.headings.bound > NARROW_HEADING).any())
+            last = Readings.of(time, frames[-1].measurements, mountings=self.team.mountings) if wide_looks else None
+            found, wide = self._round(gone, readings._replace(moves=moves), is_over, NO_ROBOTS, last=last)
         except Inconsistent:
             return None
         return None if len(wide) else found.compact()
@@ -268,13 +271,15 @@ class StrictFilter(Frozen):
                 break
         return found.compact()
 
-    def _round(self, belief: Belief, readings: Readings, is_over: IsOver, again: Integers) -> tuple[Belief, Integers]:
+    def _round(
+        self, belief: Belief, readings: Readings, is_over: IsOver, again: Integers, *, last: Readings | None = None
+    ) -> tuple[Belief, Integers]:
         """Return the belief, and the robots (c,) that are worth cells: they have got them if readings are of one instant."""
         self.on_phase("headings")
         sources, numbers = readings.numbered(belief.sources, self.team.robots)
         self.on_phase("merge")
         rules = self.team.landmarks, self.tangent_spacing, Most(self.cells, self.slices), belief.slices
-        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *rules, again).merged(is_over)
+        merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *rules, again, last).merged(is_over)
         self.on_phase("prune")
         pruned = self._pruned(merged.polytope)
         known = Belief(belief.time, pruned, merged.headings, sources, belief.guarantee, slices=merged.slices)

@@ -44,7 +44,7 @@ def test_one_that_is_suspended_stays_so_since_the_first_time_and_for_the_first_r
     partly = Guarantee(np.array([np.inf, 2.0, np.inf]), ("", "votes", ""))
     after = partly.suspended(3.0, "a lie").suspended(4.0, "another")
     assert after.suspended_since.tolist() == [3.0, 2.0, 3.0]
-    assert str(after) == "suspended for robots 0, 2 since 3.000 s, as a lie; suspended for robots 1 since 2.000 s, as votes"
+    assert str(after) == "suspended for robot 0, robot 2 since 3.000 s, as a lie; suspended for robot 1 since 2.000 s, as votes"
     assert partly.in_force.tolist() == [True, False, True]
     with pytest.raises(ValueError, match="read-only"):
         partly.suspended_since[0] = 0.0

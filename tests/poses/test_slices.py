@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from filter import AngularIntervals, Bearing, Compass, Odometry, Polygon, Range, SetMembershipFilter, Team, follow, frames_of
 from filter.geometry.angles import wrap
-from filter.poses.slices import COUNT, DIRECTIONS, FINEST_SLICE, NARROW_ALONE, Slices, regrouped
+from filter.poses.slices import COUNT, DIRECTIONS, FINEST_SLICE, NARROW_HEADING, Slices, regrouped
 from filter.records.record import field_names
 from filter.sets.belief import Belief
 
@@ -58,7 +58,7 @@ def test_the_truth_is_in_a_slice_whatever_happens(seed):
         belief = filter_.update(belief, [one for one in told if not isinstance(one, dropped)])
         check(belief, world.positions, world.headings)
         assert len(belief.slices) <= world.robots * max(1, min(slices, cells // 2))
-        assert (belief.headings.bound[belief.slices.robot] > NARROW_ALONE).all()
+        assert (belief.headings.bound[belief.slices.robot] > NARROW_HEADING).all()
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -28,7 +28,7 @@ from experiments.keeping.running import exit_code
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, tell
-from filter import Array, Inconsistent, Rejected, RobustFilter, SetMembershipFilter, Team
+from filter import Array, Doubted, Inconsistent, Judged, RobustFilter, SetMembershipFilter, Team
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Options:
     every: float = 0.5
     """Time between two steps [s]."""
     filter: Literal["sets", "robust"] = "sets"
-    """sets: drops what is proved to disagree, and suspends the guarantee; robust: although one bound breaks now and then."""
+    """sets: looks for what is wrong where something is proved to disagree; robust: although one bound breaks now and then."""
     out: Path = Path("runs/standing_team")
     """Folder for summary, figure and recording."""
 
@@ -87,7 +87,7 @@ def run(options: Options) -> int:
         tell(f"the filter stopped: {scene.team.words(error)}")
         return 1
     who = said.names[liar[0]], said.names[liar[1]]
-    summary = {**summary_of(options, outcome, broken(said, limits, options.learned)), **rejections(options.lie, who, outcome)}
+    summary = {**summary_of(options, outcome, broken(said, limits, options.learned)), **verdicts(options.lie, who, outcome)}
     write_summary(folder, summary)
     draw_standing(folder, outcome, None if options.lie == "none" else begins)
     record(folder / "standing_team.rrd", filter_of(options, scene.team), scene)
@@ -130,21 +130,24 @@ def summary_of(options: Options, outcome: Outcome, outside: tuple[int, int]) -> 
     }
 
 
-def rejections(lie: Lie, who: tuple[str, str], outcome: Outcome) -> dict[str, Value]:
-    """Return how many measurements were dropped, how many of these lied, and which one was the first.
+def verdicts(lie: Lie, who: tuple[str, str], outcome: Outcome) -> dict[str, Value]:
+    """Return when something was in doubt first, who was found guilty, and how many of these have to do with who lied.
 
     Args:
         lie: What lied.
         who: The names of who measured and of whom, or of whom alone if that one was moved.
         outcome: What the filter made of it.
     """
-    team, dropped = outcome.scene.team, [event.source for _, event in outcome.events if isinstance(event, Rejected)]
-    robot, target = map(team.number_of, who)
-    of_liar = [source for source in dropped if source.target == target and (lie == "moved" or source.robot == robot)]
+    team, events = outcome.scene.team, [event for _, event in outcome.events]
+    doubts = [event.time for event in events if isinstance(event, Doubted)]
+    guilty = [event.suspect for event in events if isinstance(event, Judged) and event.verdict == "guilty"]
+    liars = set(map(team.number_of, who[1:] if lie == "moved" else who))
+    right = [each for each in guilty if liars & {each.robot, each.target}]
     return {
-        "rejected": len(dropped),
-        "rejected_of_the_liar": len(of_liar) if lie != "none" else None,
-        "first_rejected": team.words(dropped[0]) if dropped else None,
+        "doubts": len(doubts),
+        "first_doubt_s": rounded(doubts[0]) if doubts else None,
+        "guilty": "; ".join(map(team.words, guilty)) or None,
+        "guilty_of_the_lie": len(right) if lie != "none" else None,
     }
 
 

@@ -235,7 +235,7 @@ def test_a_fault_is_refused_with_its_line(log, fault):
 
 def test_a_second_initial_set_of_a_robot_is_refused(log):
     line = changed(log, 2, lambda record: record.update(robot=0))
-    refused(log, line, "robot 0 again")
+    refused(log, line, "r0 again")
 
 
 @pytest.mark.parametrize(
@@ -271,7 +271,7 @@ def test_odometry_at_the_start_is_refused(tmp_path):
 
 def test_a_second_truth_and_a_second_odometry_of_a_robot_are_refused(log):
     lines = log.read_text().splitlines(keepends=True)
-    for kind, match in (("truth", "one truth"), ("odometry", "robot 0 again")):
+    for kind, match in (("truth", "one truth"), ("odometry", "r0 again")):
         where = lines_of(log, kind)[0]
         doubled = log.with_name(f"{kind}.jsonl")
         doubled.write_text("".join([*lines[: where + 1], lines[where], *lines[where + 1 :]]))

@@ -61,7 +61,7 @@ def a_camera_farther_ahead(log):
         sensor["position"][0] += 1e-3
 
 
-@forged("follows from nothing known")
+@forged("in one of the cases")
 def a_camera_that_may_be_farther_off(log):
     for sensor in log[0]["sensors"].values():
         sensor["position_bound"] += 1e-5
@@ -101,7 +101,7 @@ def tags_at_the_centres(log):
         record.pop("target_sensor", None)
 
 
-@forged("can be beyond what is claimed", run=WIDE)
+@forged("in one of the cases", run=WIDE)
 def a_heading_that_is_wider(log):
     for record in all_of(log, "initial"):
         record["heading"]["bound"] += 1e-3

@@ -60,7 +60,7 @@ def test_an_estimator_that_goes_astray_is_proved_wrong_from_then_on(run, frames,
     alarms = rows_in(tmp_path / "out" / "alarms.csv")
     assert [(alarm["robot"], float(alarm["time_s"])) for alarm in alarms] == [("r1", 1 + k / 10) for k in range(5)]
     assert all(alarm["sources"] for alarm in alarms)
-    assert any("robot" in alarm["sources"] for alarm in alarms)
+    assert any("of r1" in alarm["sources"] for alarm in alarms)
     (episode,) = rows_in(tmp_path / "out" / "episodes.csv")
     assert summary["episodes"] == 1 == int(alarms[0]["episode"])
     assert (episode["trajectory"], episode["poses"], episode["start_s"], episode["end_s"]) == ("r1", "5", "1.0", "1.4")

@@ -115,9 +115,7 @@ def test_the_exit_code_is_one_only_for_an_escape_while_the_guarantee_is_in_force
     assert summary["longest_escape_s"] > 0.5
     assert summary["suspended_share"] == float(suspended)
     assert summary["guarantee_in_force"] != suspended
-    assert summary["guarantee_suspended_because"] == (
-        "suspended for robots 0, 1 since 0.000 s, as votes" if suspended else None
-    )
+    assert summary["guarantee_suspended_because"] == ("suspended for r0, r1 since 0.000 s, as votes" if suspended else None)
     assert summary["too_short"]
     levels = rows_of(tmp_path / "mrclam.rrd", "/events", "TextLog:level")
     assert "ERROR" in {row["value"][0] for row in levels}
@@ -259,7 +257,7 @@ def test_what_happens_while_robots_move_is_told_with_what_is_measured_then(folde
     step = next(voting(scenario, Carried(motions), Leaving(scenario.team)))
     assert step.resets == 1
     assert step.guarantee.in_force.all()
-    assert str(step.lapsed) == f"suspended for robots 1 since {step.frame.time:.3f} s, as it left"
+    assert str(step.lapsed) == f"suspended for robot 1 since {step.frame.time:.3f} s, as it left"
     assert [word for word in step.events if word.endswith("it left")]
 
 

@@ -73,14 +73,10 @@ def slices_in(line: Record, name: str) -> list[Slice]:
     told = line.get(name, [])
     if len(told) > MOST_SLICES:
         raise Broken(f"{len(told)} {name}, where {MOST_SLICES} are the most")
-    found = [Slice(arc_around(*map(_finite, one["arc"])), [exact(far) for far in one["reach"]]) for one in told]
+    found = [Slice(arc_around(*(float(exact(end)) for end in one["arc"])), [*map(exact, one["reach"])]) for one in told]
     if any(len(each.reach) != COUNT for each in found):
         raise Broken(f"{name} with another number of directions than {COUNT}")
     return found
-
-
-def _finite(text: str) -> float:
-    return float(exact(text))
 
 
 def check_roots(roots: Sequence[Slice], proved: Sequence[Slice]) -> None:

@@ -45,4 +45,4 @@ def check_refused(folder, forgery, capsys):
     assert prove.main([str(folder)]) == 1
     told = capsys.readouterr().out
     assert told.startswith("not proved: ")
-    assert forgery.why in told
+    assert forgery.why in told, told

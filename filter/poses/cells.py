@@ -100,7 +100,7 @@ class ByCases(Frozen):
     """A proof that a robot is behind some half-planes, case by case: in none of the pieces of a tree is it anywhere else.
 
     Attributes:
-        known: The polytope whose rows on single robots, and those of the cases before, tell where robots can be (see `Places`).
+        known: The polytope whose rows on single robots, and those of the cases before, tell where robots can be.
         sources: What produced the rows.
         headings: (n) before [rad].
         robot: Whose poses they are.
@@ -235,7 +235,7 @@ class Scene(Frozen):
 
     def in_cells(self, robots: Integers, most: Most, is_over: Callable[[], bool] = lambda: False) -> tuple[Cases, int]:
         """Return what cells leave of robots' poses (k,), in order, until time is over; and of whom nothing, -1 for nobody."""
-        mine = self.slices.select(np.isin(self.slices.robot, robots))
+        mine = self.slices.select(np.isin(self.slices.robot, robots)).at_most(most.cells)
         starts, sets = self._starts(robots, mine)
         found, heard, done = Outcome.blank(len(robots), most.cells, most.taken_along), self.told.heard(robots), 0
         nowhere = -1

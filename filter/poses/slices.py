@@ -74,6 +74,11 @@ class Slices(Table):
         """Return those of all other robots than some (k,)."""
         return self.select(~np.isin(self.robot, robots)) if len(self) else self
 
+    def at_most(self, most: int) -> Slices:
+        """Return those of robots that have no more than so many: what else is known holds without them, too."""
+        robots, counts = np.unique(self.robot, return_counts=True)
+        return self.without(robots[counts > most])
+
     def replaced(self, robots: Integers, others: Slices) -> Slices:
         """Return those of some robots (k,) replaced by others of theirs."""
         both = Slices.concatenate([self.without(robots), others])

@@ -1,6 +1,7 @@
 """Slices: the truth is in one of them, whatever happens; they say more than headings and polygons apart."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -126,6 +127,19 @@ def test_they_can_be_pickled():
     _, belief = followed(5)
     again = pickle.loads(pickle.dumps(belief))
     assert all((a == b).all() for a, b in zip(belief.slices.columns, again.slices.columns, strict=True))
+
+
+@pytest.mark.parametrize("cells", [1, 2, 3, 4])
+def test_a_filter_that_has_fewer_cells_goes_on_without_them(cells):
+    world = World(np.random.default_rng(5), robots=3, landmarks=1)
+    filter_ = SetMembershipFilter(world.team)
+    belief = filter_.start(0.0, world.initial_sets())
+    for k in range(6):
+        each = filter_ if k < 4 else replace(filter_, cells=cells)
+        assert k != 4 or np.bincount(belief.slices.robot).max() > cells
+        motion = world.tour()
+        belief = each.update(each.predict(belief, motion.time, motion), world.measure(compasses=False))
+        check(belief, world.positions, world.headings)
 
 
 def test_a_robot_that_is_put_down_or_leaves_has_none():

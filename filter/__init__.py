@@ -31,12 +31,12 @@ from filter.records.presence import Left, Placed
 from filter.records.relative import RelativeHeading
 from filter.records.seen import seen_position
 from filter.records.sensors import Sensor
-from filter.robust.belief import Disagreement, Distrusted, Late, Restarted, RobustBelief, RobustEvent, Turned
+from filter.robust.belief import Disagreement, Distrusted, Late, Rejected, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.trust import Suspicion
 from filter.robust.votes import Rules
-from filter.sets.belief import Belief, Event, Rejected
+from filter.sets.belief import Belief, Event
 from filter.sets.merged import Directions
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions

@@ -6,7 +6,7 @@ from typing import overload
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Integers, Mask, chosen, read_only
+from filter.arrays import Array, Frozen, Integers, Mask, chosen
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD, Constraints
@@ -187,7 +187,7 @@ class Cases(Frozen, Sequence[ByCases]):
         if isinstance(k, range):
             return [self[each] for each in k]
         found, robot, told = self.found, int(self.robot[k]), self.told
-        tree = Tree(*(column[k] for column in found[: len(Tree._fields)]))
+        tree = Tree(*(column[k] for column in found.trees))
         slices = found.slices[k, : found.kept[k]]
         rows, heading = found.rows[k, : found.edges[k]], found.heading[k]
         before = self.before.of(robot)
@@ -243,8 +243,7 @@ class Scene(Frozen):
             end = min(done + AT_A_TIME, len(robots))
             nowhere = in_turn((done, end), starts, heard, sets, found)
             done = end
-        some = Outcome(*(read_only(column[:done]) for column in found))
-        cases = Cases(self.known, self.sources, self.told, robots[:done], some, mine)
+        cases = Cases(self.known, self.sources, self.told, robots[:done], found.first(done), mine)
         return cases, -1 if nowhere < 0 else int(robots[nowhere])
 
     def _starts(self, robots: Integers, slices: Slices) -> tuple[Starts, Sets]:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from filter.arrays import Array, Integers, Mask
+from filter.arrays import Array, Integers, Mask, read_only
 from filter.compiled import bounds_of, compiled, put
 from filter.geometry.angles import intersection
 from filter.geometry.convex import EPSILON, clip_box, hull_of, largest_of
@@ -79,7 +79,7 @@ class Outcome(NamedTuple):
     """What is found of k robots, with c cells each, to be filled.
 
     Attributes:
-        line: (k, 2 c, 3) as in `Tree`, as are child and rounds (k, 2 c), root (k, c), arcs (k, c, 2) and reach (k, c, COUNT).
+        trees: How they were split, k at a time: each of its arrays has one more axis, the first.
         rows: (k, HULL_EDGES, 4) normals and offsets [m], and whether they are among the few that are enough for others.
         edges: (k,) how many there are.
         heading: (k, 2) centre and bound of what is left of the heading [rad].
@@ -87,12 +87,7 @@ class Outcome(NamedTuple):
         kept: (k,) how many there are.
     """
 
-    line: Array
-    child: Integers
-    rounds: Integers
-    root: Integers
-    arcs: Array
-    reach: Array
+    trees: Tree
     rows: Array
     edges: Integers
     heading: Array
@@ -102,21 +97,17 @@ class Outcome(NamedTuple):
     @classmethod
     def blank(cls, robots: int, cells: int, slices: int) -> "Outcome":
         """Return one to be filled."""
-        whole = np.zeros((2, robots, 2 * cells), dtype=np.int64), np.zeros((2, robots), dtype=np.int64)
-        (child, rounds), (edges, kept) = whole
-        return cls(
-            np.zeros((robots, 2 * cells, 3)),
-            child,
-            rounds,
-            np.full((robots, cells), -1),
-            np.zeros((robots, cells, 2)),
-            np.zeros((robots, cells, COUNT)),
-            np.zeros((robots, HULL_EDGES, 4)),
-            edges,
-            np.zeros((robots, 2)),
-            np.zeros((robots, slices, 2 + COUNT)),
-            kept,
-        )
+        child, rounds = np.zeros((2, robots, 2 * cells), dtype=np.int64)
+        root, arcs, reach = np.full((robots, cells), -1), np.zeros((robots, cells, 2)), np.zeros((robots, cells, COUNT))
+        trees = Tree(np.zeros((robots, 2 * cells, 3)), child, rounds, root, arcs, reach)
+        rows, heading = np.zeros((robots, HULL_EDGES, 4)), np.zeros((robots, 2))
+        edges, kept = np.zeros((2, robots), dtype=np.int64)
+        return cls(trees, rows, edges, heading, np.zeros((robots, slices, 2 + COUNT)), kept)
+
+    def first(self, robots: int) -> "Outcome":
+        """Return that of the first so many robots, for good."""
+        trees = Tree(*(read_only(column[:robots]) for column in self.trees))
+        return Outcome(trees, *(read_only(column[:robots]) for column in self[1:]))
 
 
 @compiled
@@ -209,7 +200,8 @@ def _found(k: int, roots: Roots, said: Said, margin: float, found: Outcome) -> b
     for points in (roots.corners, said.points):
         for m in range(len(points)):
             points[m, 0], points[m, 1] = points[m, 0] - x, points[m, 1] - y
-    tree = Tree(found.line[k], found.child[k], found.rounds[k], found.root[k], found.arcs[k], found.reach[k])
+    trees = found.trees
+    tree = Tree(trees.line[k], trees.child[k], trees.rounds[k], trees.root[k], trees.arcs[k], trees.reach[k])
     rows = branch(roots, found.heading[k], said, margin + slack, tree)
     for m in range(len(rows)):
         rows[m, 2] += rows[m, 0] * x + rows[m, 1] * y + slack

@@ -16,9 +16,24 @@ from filter.robust.cameras import Offsets
 from filter.robust.hypotheses import Hypotheses, polygon_of
 from filter.robust.trust import Trust
 from filter.robust.votes import Votes
-from filter.sets.belief import Rejected
 from filter.sets.regions import Region
 from filter.team import Team
+
+
+@dataclass(frozen=True)
+class Rejected(InWords):
+    """A measurement that was dropped, for the others to agree.
+
+    Attributes:
+        source: What was dropped.
+        conflict: What was proved to exclude one another, the dropped one with it or resting on it.
+    """
+
+    source: Source
+    conflict: tuple[Source, ...]
+
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        return f"rejected {words(self.source)}; in conflict: {'; '.join(map(words, self.conflict))}"
 
 
 @dataclass(frozen=True)

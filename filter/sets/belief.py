@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -18,28 +17,10 @@ from filter.linear.sources import Source, Sources, in_order
 from filter.poses.slices import Slices
 from filter.projection.fallback import Fallback
 from filter.records.frame import Frame
-from filter.records.names import InWords
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
 from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect
-
-
-@dataclass(frozen=True)
-class Rejected(InWords):
-    """A measurement that was dropped, for the others to agree.
-
-    Attributes:
-        source: What was dropped.
-        conflict: What was proved to exclude one another, the dropped one with it or resting on it.
-    """
-
-    source: Source
-    conflict: tuple[Source, ...]
-
-    def _in_words(self, words: Callable[[Any], str]) -> str:
-        return f"rejected {words(self.source)}; in conflict: {'; '.join(map(words, self.conflict))}"
-
 
 Event = Doubted | Judged | Passed | StartsOver | Confirmed | Fallback
 Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict

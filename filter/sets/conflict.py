@@ -46,25 +46,6 @@ Excludes = Callable[[Parts], bool]  # whether parts are proved to exclude one an
 Attempt = Callable[[Belief, Motion | None, Array, tuple[Measurement, ...]], bool]
 
 
-@dataclass(frozen=True)
-class Conflict:
-    """What is proved to exclude one another by itself.
-
-    Attributes:
-        sources: All of it, the newest last.
-        readings: Which of the update's measurements are among it.
-    """
-
-    sources: tuple[Source, ...]
-    readings: frozenset[Reading]
-
-    @classmethod
-    def of(cls, parts: Parts) -> Conflict:
-        """Return the conflict of some parts."""
-        sources = sorted((part.source for part in parts), key=lambda source: source.time)
-        return cls(tuple(sources), frozenset(part.reading for part in parts if part.reading is not None))
-
-
 @dataclass(frozen=True, eq=False)
 class Premises:
     """All that an update rests on, or a prediction, in parts that can be left out.
@@ -188,8 +169,8 @@ def anywhere(belief: Belief, team: Team) -> Array:
     return np.stack([least - far, greatest + far])
 
 
-def conflict_of(error: Inconsistent, cases: Sequence[Premises]) -> Conflict:
-    """Return what is in conflict where an update has raised an error.
+def conflict_of(error: Inconsistent, cases: Sequence[Premises]) -> tuple[Source, ...]:
+    """Return what is in conflict where an update has raised an error, by itself and the newest last.
 
     Of several cases, each of which tells all that the update rests on, the first counts that can be proved. That robots are in
     the arena is taken for granted first, and is named only if the others do not exclude one another without.
@@ -201,8 +182,12 @@ def conflict_of(error: Inconsistent, cases: Sequence[Premises]) -> Conflict:
             if case.exclude(around + some):
                 found = minimal(case.exclude, around, some)
                 touched = case.robots_of(part.source for part in found)
-                return Conflict.of(minimal(case.exclude, found, case.arenas(sorted(touched))) + found)
-    return Conflict.of(parts)
+                return _in_time(minimal(case.exclude, found, case.arenas(sorted(touched))) + found)
+    return _in_time(parts)
+
+
+def _in_time(parts: Parts) -> tuple[Source, ...]:
+    return tuple(sorted((part.source for part in parts), key=lambda source: source.time))
 
 
 def minimal(exclude: Excludes, always: Parts, parts: Parts) -> Parts:

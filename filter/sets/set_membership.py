@@ -154,7 +154,7 @@ class StrictFilter(Frozen):
             after = self._predicted(before, (time, odometry), self.team.arena)
         except Inconsistent as error:
             conflict = conflict_of(error, [Premises(before, (time, odometry), (), self.team, self._excludes)])
-            raise Inconsistent(error.what, conflict.sources, error.robot) from None
+            raise Inconsistent(error.what, conflict, error.robot) from None
         return replace(after, moved=Moved(before, odometry))
 
     def update(self, belief: Belief, measurements: Sequence[Measurement] = ()) -> Belief:
@@ -179,7 +179,7 @@ class StrictFilter(Frozen):
         if belief.moved:
             motion = belief.time, belief.moved.odometry
             cases.insert(0, Premises(belief.moved.before, motion, measurements, self.team, self._excludes))
-        return Inconsistent(error.what, conflict_of(error, cases).sources, error.robot)
+        return Inconsistent(error.what, conflict_of(error, cases), error.robot)
 
     def advance(self, belief: Belief, frames: Sequence[Frame]) -> Belief:
         """Return the belief after several instants, at the last of them: by one prediction and one update.

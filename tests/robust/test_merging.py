@@ -8,9 +8,9 @@ import pytest
 from filter import Bearing, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
+from filter.robust.belief import Rejected
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
-from filter.sets.belief import Rejected
 from filter.team import Team
 
 AHEAD = [Bearing(0.0, 0, 1, 0.0, 0.05), Range(0.0, 0, 1, 3.0, 0.1, 0.0)]

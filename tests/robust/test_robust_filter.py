@@ -10,11 +10,10 @@ from filter import Bearing, Compass, Odometry, Range
 from filter.errors import InvalidInput, OutOfOrder
 from filter.geometry.angles import AngularIntervals, wrap
 from filter.geometry.polygon import Polygon
-from filter.robust.belief import Disagreement, Distrusted, Restarted
+from filter.robust.belief import Disagreement, Distrusted, Rejected, Restarted
 from filter.robust.hypotheses import AGREED
 from filter.robust.robust_filter import RobustFilter
 from filter.robust.votes import Rules
-from filter.sets.belief import Rejected
 from filter.team import Team
 
 

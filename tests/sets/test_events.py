@@ -4,7 +4,7 @@ import pytest
 
 from filter.linear.sources import Source
 from filter.projection.fallback import Fallback
-from filter.sets.belief import Rejected
+from filter.robust.belief import Rejected
 
 WALK = ("walk",)
 

@@ -53,7 +53,7 @@ def draw_faults(folder: Path, outcomes: Sequence[Outcome]) -> None:
         save(figure, folder, "faults")
 
 
-RIGHT, HONEST, WRONG = "right soon, and in the end", "not right, but it was not said to be", "outside while said to be in force"
+RIGHT, HONEST, WRONG = "right soon, and in the end", "not right soon: suspended, or named too late", "outside while said to be in force"
 LEGEND = {RIGHT: BLUE, HONEST: "#c4c9d0", WRONG: ORANGE}
 
 

@@ -156,7 +156,8 @@ def leaves_of(rng):
     half = float(rng.choice([np.pi, rng.uniform(0.01, np.pi)]))
     heading, count = np.array([rng.choice([np.pi, -3.0, rng.uniform(-3, 3)]), half]), int(rng.integers(1, 20))
     bound = rng.uniform(0, 1, count) * half * rng.choice([0.01, 0.3, 1.0])
-    centre = wrap(heading[0] + rng.uniform(-1, 1, count) * (half - bound))
+    room = half - bound if half < np.pi else half  # of a whole circle, also across where it closes
+    centre = wrap(heading[0] + rng.uniform(-1, 1, count) * room)
     roots = int(rng.integers(1, 6))
     return heading, (rng.integers(0, roots, count), np.stack([centre, bound], axis=1), rng.normal(size=(count, COUNT))), roots
 

@@ -53,7 +53,9 @@ def draw_faults(folder: Path, outcomes: Sequence[Outcome]) -> None:
         save(figure, folder, "faults")
 
 
-RIGHT, HONEST, WRONG = "right soon, and in the end", "not right soon: suspended, or named too late", "outside while said to be in force"
+RIGHT = "right soon, and in the end"
+HONEST = "not right soon: suspended, or named too late"
+WRONG = "outside while said to be in force"
 LEGEND = {RIGHT: BLUE, HONEST: "#c4c9d0", WRONG: ORANGE}
 
 

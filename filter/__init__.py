@@ -9,6 +9,7 @@ guarantee, linear/, sensing/, poses/, projection/, sets/, diagnosis/, robust/, s
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.diagnosis.set_membership_filter import Policy, SetMembershipFilter
+from filter.diagnosis.tolerance import Tolerance
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
 from filter.follow import AnyBelief, Filter, Step, changed, follow
@@ -41,7 +42,7 @@ from filter.sets.merged import Directions
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES
-from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect
+from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
 from filter.stream import Arrival, frames_of
 from filter.team import Team
 from filter.warm_up import warm_up
@@ -57,7 +58,7 @@ __all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
 __all__ += ["Alarm", "Belief", "ByCases", "Cases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof"]
 __all__ += ["Region", "Regions", "Rejected", "Source"]
-__all__ += ["Confirmed", "Doubted", "Judged", "Passed", "StartsOver", "Suspect"]
+__all__ += ["Confirmed", "Doubted", "Judged", "Passed", "StartsOver", "Suspect", "Tolerance", "Tolerated"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]

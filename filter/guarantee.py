@@ -21,17 +21,19 @@ class Guarantee(InWords, Frozen):
         away: Robots that have left, of which nothing is said.
         assuming: What is assumed besides every bound that is not named in it, as "if only one of these is wrong ..."; empty if
             nothing is.
+        tolerating: What the filter tolerates, in words, "if at most 1 of these is wrong within any 5 s: ..."; empty if nothing.
     """
 
     suspended_since: Array
     because: tuple[str, ...]
     away: frozenset[int] = field(default=frozenset(), metadata=checked(instance, "robots that are away", frozenset))
     assuming: str = ""
+    tolerating: str = ""
 
     @classmethod
-    def full(cls, robots: int) -> Self:
-        """Return one that is in force for every robot."""
-        return cls(np.full(robots, np.inf), ("",) * robots)
+    def full(cls, robots: int, tolerating: str = "") -> Self:
+        """Return one that is in force for every robot, although something is wrong that is tolerated."""
+        return cls(np.full(robots, np.inf), ("",) * robots, tolerating=tolerating)
 
     @property
     def lapsed(self) -> Mask:
@@ -79,5 +81,6 @@ class Guarantee(InWords, Frozen):
         for robot in np.flatnonzero(self.lapsed).tolist():
             told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(words(robot))
         lapsed = [f"suspended for {', '.join(who)} {why}" for why, who in told.items()]
-        held = [f"in force {self.assuming}".rstrip()] if self.assuming or not lapsed else []
+        conditions = " and ".join(filter(None, (self.tolerating, self.assuming)))
+        held = [f"in force {conditions}".rstrip()] if conditions or not lapsed else []
         return "; ".join(lapsed + held)

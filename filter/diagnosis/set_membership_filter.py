@@ -12,6 +12,7 @@ from filter.diagnosis.cover import cover_of, hulls_of
 from filter.diagnosis.hypotheses import Strict
 from filter.diagnosis.judging import assumption
 from filter.diagnosis.told import without_all
+from filter.diagnosis.tolerant import TolerantFilter
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
@@ -23,16 +24,16 @@ from filter.records.odometry import Odometry
 from filter.records.presence import Change
 from filter.sets.belief import Belief, Diagnosis
 from filter.sets.conflict import anywhere
-from filter.sets.set_membership import StrictFilter
 
 Policy = Literal["raise", "reject"]
 
 
 @dataclass(frozen=True, eq=False)
-class SetMembershipFilter(StrictFilter):
+class SetMembershipFilter(TolerantFilter):
     """A `Filter`: keeps a belief about a moving team that contains the truth as long as every declared bound holds.
 
-    With the policy "reject" also if one thing is wrong, until that is found out and afterwards (see docs/design.md).
+    With a tolerance also while no more than that lie; with the policy "reject" also if one thing is wrong, or one more, until
+    that is found out and afterwards (see docs/design.md).
 
     Attributes:
         policy: What to do when measurements are proved to disagree: "raise"; or "reject" what is wrong: go on with what is

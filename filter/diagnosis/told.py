@@ -77,18 +77,22 @@ def signature(records: Records) -> tuple[tuple[str, bytes, bytes], ...]:
     return tuple((type(each).__name__, each.robot.tobytes(), targets_of(each).tobytes()) for each in records)
 
 
-def _left(suspect: Suspect, record: Measurement) -> Measurement | None:
+def said_by(suspect: Suspect, record: Measurement) -> Mask:
+    """Return which (k,) readings of a record a suspect has said, or are of it; an exchange and a past say none."""
     robot, target, is_compass = record.robot, targets_of(record), isinstance(record, Compass)
-    if suspect.kind == "exchange":
-        return record if is_compass else _exchanged(suspect, record, target)
-    gone: dict[str, Mask | bool] = {
-        "past": False,
+    said_it: dict[str, Mask | bool] = {
         "compass": (robot == suspect.robot) & is_compass,
         "sensor": (robot == suspect.robot) & (not is_compass),
         "body": target == suspect.target,
         "sighting": (robot == suspect.robot) & (target == suspect.target),
     }
-    return _some(record, ~np.broadcast_to(gone[suspect.kind], robot.shape))
+    return np.broadcast_to(said_it.get(suspect.kind, False), robot.shape)
+
+
+def _left(suspect: Suspect, record: Measurement) -> Measurement | None:
+    if suspect.kind != "exchange":
+        return _some(record, ~said_by(suspect, record))
+    return record if isinstance(record, Compass) else _exchanged(suspect, record, targets_of(record))
 
 
 def _exchanged(suspect: Suspect, record: Any, target: Integers) -> Measurement | None:

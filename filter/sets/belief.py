@@ -20,9 +20,9 @@ from filter.records.frame import Frame
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
-from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect
+from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
 
-Event = Doubted | Judged | Passed | StartsOver | Confirmed | Fallback
+Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Fallback
 Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict
 
 
@@ -56,6 +56,7 @@ class Belief:
             from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
         slices: The poses of robots whose headings are wide, position and heading together.
+        alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not.
         diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
     """
 
@@ -69,6 +70,7 @@ class Belief:
     proofs: tuple[Evidence, ...] = ()
     moved: Moved | None = None
     slices: Slices = field(default_factory=Slices.none)
+    alternatives: Alternatives | None = None
     diagnosis: Diagnosis | None = None
 
     @property
@@ -78,8 +80,9 @@ class Belief:
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:
-        """Who can be wrong, one of them, in the time of a doubt; else nobody."""
-        return self.diagnosis.suspects if self.diagnosis else ()
+        """Who can be wrong, in the time of a doubt, or where it is proved that somebody is who is tolerated; else nobody."""
+        tolerated = self.alternatives.suspects if self.alternatives else ()
+        return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated
 
     @property
     def alone(self) -> Belief:
@@ -139,6 +142,47 @@ class Belief:
         last = {self.sources[int(number)] for number in region.causes[place]}
         found = causes_of(proofs, self.time, (WORLD, robot, region.outer.normals[place]), last)
         return tuple(sorted(found, key=in_order))
+
+
+@dataclass(frozen=True, eq=False)
+class Alternative:
+    """What is known if some suspects lie and nobody else does.
+
+    Attributes:
+        lying: These; nobody where all is right.
+        belief: What then is known.
+    """
+
+    lying: tuple[Suspect, ...]
+    belief: Belief
+
+
+@dataclass(frozen=True, eq=False)
+class Alternatives:
+    """What is known in each case of who lies, since they were begun.
+
+    Attributes:
+        since: When that was [s].
+        each: The cases that are not proved to be impossible.
+        heard: Who has spoken since then: those who have not are in no case of their own.
+        told: The cases when it was last told that somebody lies.
+    """
+
+    since: float
+    each: tuple[Alternative, ...]
+    heard: frozenset[Suspect] = frozenset()
+    told: tuple[tuple[Suspect, ...], ...] = ()
+
+    @property
+    def cases(self) -> tuple[tuple[Suspect, ...], ...]:
+        """Who lies, in each case; () is that nobody does."""
+        return tuple(one.lying for one in self.each)
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Who can lie, once it is proved that somebody does."""
+        some = () if () in self.cases else self.cases
+        return tuple(sorted({suspect for case in some for suspect in case}, key=lambda suspect: suspect.who))
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,6 +72,25 @@ class Doubted(InWords):
 
 
 @dataclass(frozen=True)
+class Tolerated(InWords):
+    """It is proved that not all is right, as the filter tolerates: what is known holds in each case that can be.
+
+    Attributes:
+        time: When [s].
+        since: When these cases began [s].
+        cases: Who is wrong, all of one of these together.
+    """
+
+    time: float
+    since: float
+    cases: tuple[tuple[Suspect, ...], ...]
+
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        told = [" and ".join(map(words, case)) for case in self.cases]
+        return f"wrong since {self.since:.3f} s, and tolerated: {'one of ' if len(told) > 1 else ''}{'; '.join(told)}"
+
+
+@dataclass(frozen=True)
 class Judged(InWords):
     """A suspect is found guilty, is acquitted, or is trusted again.
 

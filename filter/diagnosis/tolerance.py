@@ -1,0 +1,105 @@
+"""What is tolerated: at most so many of a class of suspects break a bound within any window of time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from filter.arrays import Frozen, checked, positive, several, shown, whole_number
+from filter.diagnosis.told import Records, Who, said, said_by, without
+from filter.errors import InvalidInput
+from filter.linear.sources import NOBODY
+from filter.records.measurements import Measurement, Range
+from filter.records.record import field_names
+from filter.sets.suspect import Suspect, SuspectKind
+
+SuspectClass = Literal["pairs", "bodies", "cameras", "compasses"]
+Lies = Literal["any", "long"]
+# Of each class: its kind of suspects, and what one of them is.
+CLASSES: dict[str, tuple[SuspectKind, str]] = {
+    "pairs": ("sighting", "what a robot takes for a target"),
+    "bodies": ("body", "place or marker of a target"),
+    "cameras": ("sensor", "sensor of a robot"),
+    "compasses": ("compass", "compass of a robot"),
+}
+LIES = {"any": "is wrong", "long": "measures ranges that are too long"}
+
+
+def _classes(value: object) -> tuple[SuspectClass, ...]:
+    """Return the classes that are named, each once, in one order."""
+    names = (value,) if isinstance(value, str) else several(f"suspects among {', '.join(CLASSES)}", value, str)
+    wrong = next((name for name in names if name not in CLASSES), None)
+    if wrong is not None or not names:
+        raise InvalidInput(f"suspects among {', '.join(CLASSES)}", shown(wrong if names else value))
+    return tuple(each for each in get_args(SuspectClass) if each in names)
+
+
+def _lies(value: object) -> Lies:
+    if value not in get_args(Lies):
+        raise InvalidInput(f"lies among {', '.join(get_args(Lies))}", shown(value))
+    return value  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class Tolerance(Frozen):
+    """At most q of some suspects break a bound within any window of time: then the truth is inside all the same.
+
+    What each class survives: "pairs" a robot that takes one body for another; "bodies" that, and a body that is not where it
+    should be, whoever sees it; "cameras" a biased sensor, and that of no other robot; "compasses" a compass. Two markers that
+    are exchanged are two bodies.
+
+    Attributes:
+        q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window.
+        window: How long it is [s]; what can be the case is begun anew so often.
+        suspects: A class, or several, of which at most q in all lie.
+        lies: "any", or "long": only ranges are ever wrong, and these only too long, as those of radio without a line of sight.
+    """
+
+    q: int = field(default=1, metadata=checked(whole_number, "q, suspects that lie", 1))
+    window: float = field(default=5.0, metadata=checked(positive, "window [s]"))
+    suspects: tuple[SuspectClass, ...] | SuspectClass = field(default="pairs", metadata={"check": _classes})
+    lies: Lies = field(default="any", metadata={"check": _lies})
+
+    def __str__(self) -> str:
+        one = " or ".join(CLASSES[each][1] for each in self.suspects)
+        return f"if at most {self.q} of these {LIES[self.lies]} within any {self.window:g} s: {one}"
+
+    def heard(self, instants: Iterable[Records], since: float) -> tuple[Suspect, ...]:
+        """Return who speaks in the records of some instants and may lie, since a time [s], in an order of their own."""
+        spoken, kinds = set[Who](), [CLASSES[each][0] for each in self.suspects]
+        for records in instants:
+            spoken |= said(records if self.lies == "any" else tuple(each for each in records if isinstance(each, Range)))
+        known = [(kind, robot, target) for kind in kinds for told, robot, target in spoken if told == kind]
+        found = [Suspect(kind, _body(robot), _body(target), since) for kind, robot, target in known if _is_there(kind, target)]
+        return tuple(sorted(found, key=lambda suspect: suspect.who))
+
+    def believed(self, lying: Iterable[Suspect], records: Records) -> Records:
+        """Return what still holds of records if some suspects lie."""
+        for suspect in lying:
+            records = without(suspect, records) if self.lies == "any" else tuple(_not_short(suspect, each) for each in records)
+        return records
+
+
+def _body(number: int) -> int | None:
+    return None if number == NOBODY else number
+
+
+def _is_there(kind: SuspectKind, target: int) -> bool:
+    """Return whether there is such a suspect: a position is of nobody."""
+    return kind in ("sensor", "compass") or target != NOBODY
+
+
+def _not_short(suspect: Suspect, record: Any) -> Measurement:
+    """Return a record in which what a suspect measured of ranges says no more than that targets are no farther."""
+    lies = said_by(suspect, record) if isinstance(record, Range) else np.zeros(len(record.robot), dtype=bool)
+    if not lies.any():
+        return record
+    half = record.interval()[1] / 2
+    columns = {name: getattr(record, name) for name in field_names(record)}
+    columns["range"] = np.where(lies, half, record.range)
+    columns["bound"] = np.where(lies, np.nextafter(half, np.inf), record.bound)
+    columns["relative_bound"] = np.where(lies, 0.0, record.relative_bound)
+    return Range.of_checked(record.time, columns)

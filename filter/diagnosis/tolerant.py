@@ -1,0 +1,148 @@
+"""The filter that tolerates lies: a belief for each case of who lies, side by side, and what holds in all of them."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from filter.arrays import Array, Integers, checked, instance
+from filter.diagnosis.cover import cover_of, hulls_of
+from filter.diagnosis.tolerance import Tolerance
+from filter.diagnosis.united import united
+from filter.errors import Inconsistent
+from filter.geometry.angles import AngularIntervals
+from filter.geometry.many import Polygons
+from filter.geometry.polygon import Polygon
+from filter.projection.stop import IsOver
+from filter.records.frame import Frame
+from filter.records.measurements import Measurement
+from filter.records.presence import Change
+from filter.sets.belief import Alternative, Alternatives, Belief
+from filter.sets.conflict import Motion
+from filter.sets.set_membership import StrictFilter
+from filter.sets.suspect import Tolerated
+
+
+@dataclass(frozen=True, eq=False)
+class TolerantFilter(StrictFilter):
+    """A `Filter` that is the strict one, or that goes on while no more lie than it tolerates.
+
+    Attributes:
+        tolerance: Who may lie, and how many at a time; None for nobody.
+    """
+
+    tolerance: Tolerance | None = field(default=None, metadata=checked(instance, "tolerance", Tolerance, type(None)))
+
+    def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
+        """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
+        belief = super().start(time, positions, headings)
+        return belief if self.tolerance is None else self._under(belief, self.tolerance)
+
+    def placed(self, belief: Belief, robot: int, polygon: Polygon | None, heading: AngularIntervals | None = None) -> Belief:
+        """Return the belief in which a robot is somewhere now, as that of the strict filter is, in each case that can be."""
+        strictly = super().placed
+        return self._in_each(belief, lambda case: strictly(case, robot, polygon, heading))
+
+    def changed(self, belief: Belief, change: Change) -> Belief:
+        """Return the belief in which a robot is `placed`, or in which one has left, in each case that can be."""
+        strictly = super().changed
+        return self._in_each(belief, lambda case: strictly(case, change))
+
+    def relative(self, belief: Belief, i: Integers, j: Integers) -> Polygons:
+        """Return (g) polygons that contain x_j - x_i of robots i, j (g,) (eq. 3) [m]; `InvalidInput` if these are no pairs."""
+        if belief.alternatives is None:
+            return super().relative(belief, i, j)
+        return hulls_of([super(TolerantFilter, self).relative(one.belief, i, j) for one in belief.alternatives.each])
+
+    def _predicted(self, belief: Belief, motion: Motion, arena: Array) -> Belief:
+        """Return the belief after a motion in each case that can be; where the window ends, these cases are one before."""
+        strictly, begun = super()._predicted, self._begun_for(belief, motion[0])
+        if begun.alternatives is None:
+            return strictly(begun, motion, arena)
+        living = _living(begun.alternatives, lambda one: strictly(one.belief, motion, arena))
+        around = strictly(replace(begun, alternatives=None), motion, arena)
+        return replace(around, alternatives=living)
+
+    def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
+        """Merge and project in each case that can be, those among them whose suspects are heard for the first time."""
+        if self.tolerance is None:
+            return super()._updated(belief, measurements, is_over)
+        strictly, believed = super()._updated, self.tolerance.believed
+        born = self._born(belief, [measurements])
+        living = _living(born, lambda one: strictly(one.belief, believed(one.lying, measurements), is_over))
+        return self._covered(living, self.tolerance)
+
+    def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
+        """Return the belief after several instants at once, in each case that can be; None where a step for each says more."""
+        if self.tolerance is None:
+            return super()._together(belief, frames)
+        if frames[-1].time - belief.time > self.tolerance.window:
+            return None
+        begun = self._begun_for(belief, frames[-1].time)
+        born, found = self._born(begun, [tuple(frame.measurements) for frame in frames]), list[Alternative]()
+        for one in born.each:
+            left = [
+                replace(frame, measurements=self.tolerance.believed(one.lying, tuple(frame.measurements))) for frame in frames
+            ]
+            together = super()._together(one.belief, left)
+            if together is None:
+                return None
+            found.append(replace(one, belief=together))
+        return self._covered(replace(born, each=tuple(found)), self.tolerance)
+
+    def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
+        """Return whether what holds in every case, after a motion, is proved to exclude measurements."""
+        return super()._excludes(replace(belief, alternatives=None), motion, arena, measurements)
+
+    def _begun_for(self, belief: Belief, time: float) -> Belief:
+        """Return a belief that can be taken along to a time [s]: with one case alone where the window ends before."""
+        known = belief.alternatives
+        if known is None or (self.tolerance is not None and time - known.since <= self.tolerance.window):
+            return belief
+        together = united([one.belief for one in known.each], super().relative, self.slices)
+        return replace(together, guarantee=belief.guarantee)
+
+    def _born(self, belief: Belief, instants: Iterable[tuple[Measurement, ...]]) -> Alternatives:
+        """Return the cases before some instants: with those who are heard for the first time among who may lie."""
+        known = belief.alternatives or Alternatives(belief.time, (Alternative((), belief),))
+        if self.tolerance is None:
+            return known
+        each, heard = list(known.each), set(known.heard)
+        for suspect in self.tolerance.heard(instants, known.since):
+            if suspect not in heard:
+                each += [Alternative((*one.lying, suspect), one.belief) for one in each if len(one.lying) < self.tolerance.q]
+                heard.add(suspect)
+        return replace(known, each=tuple(each), heard=frozenset(heard))
+
+    def _covered(self, living: Alternatives, tolerance: Tolerance) -> Belief:
+        """Return what holds in all cases, and tell if it is proved that somebody lies."""
+        events = tuple(dict.fromkeys(event for one in living.each for event in one.belief.events))
+        first, *others = living.each
+        around = cover_of([one.belief for one in living.each]) if others else replace(first.belief, events=())
+        around = replace(around, proofs=()) if first.lying else around
+        if () not in living.cases and living.cases != living.told:
+            events = (Tolerated(around.time, living.since, living.cases), *events)
+            living = replace(living, told=living.cases)
+        return self._under(replace(around, events=events, alternatives=living), tolerance)
+
+    def _in_each(self, belief: Belief, change: Callable[[Belief], Belief]) -> Belief:
+        """Return a belief after a change, in each case that can be."""
+        known = belief.alternatives
+        if known is None:
+            return change(belief)
+        each = tuple(replace(one, belief=change(one.belief)) for one in known.each)
+        return replace(change(replace(belief, alternatives=None)), alternatives=replace(known, each=each))
+
+    def _under(self, belief: Belief, tolerance: Tolerance) -> Belief:
+        return replace(belief, guarantee=replace(belief.guarantee, tolerating=str(tolerance)))
+
+
+def _living(known: Alternatives, step: Callable[[Alternative], Belief]) -> Alternatives:
+    """Return the cases that a step does not prove to be impossible; raises `Inconsistent` if that is every one."""
+    living, errors = list[Alternative](), list[Inconsistent]()
+    for one in known.each:
+        try:
+            living.append(replace(one, belief=step(one)))
+        except Inconsistent as error:
+            errors.append(error)
+    if not living:
+        raise errors[0]
+    return replace(known, each=tuple(living))

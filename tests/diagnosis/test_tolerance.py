@@ -1,0 +1,270 @@
+"""A tolerance: while no more lie than it says, the truth is inside, in each case and in what holds in all of them."""
+
+import pickle
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from helpers.drawn.broken import drawn, followed, going_on, outside, stepped
+from helpers.drawn.lies import lied, one_liar_a_window
+from helpers.teams import snapshot
+
+from experiments.beacons.scenes import DRIVES, alone, team_that_stands
+from filter import (
+    Doubted,
+    Frame,
+    Inconsistent,
+    InvalidInput,
+    Polygon,
+    Range,
+    SetMembershipFilter,
+    Suspect,
+    Team,
+    Tolerance,
+    Tolerated,
+)
+from filter.diagnosis.hypotheses import without
+from filter.diagnosis.tolerance import CLASSES
+
+ROUNDING = 1e-9  # [m]
+WINDOW = 4.0
+
+
+def tolerant(team, suspects="pairs", lies="any", window=WINDOW, q=1, **options):
+    return SetMembershipFilter(team, tolerance=Tolerance(q, window, suspects, lies), **options)
+
+
+def known(belief):
+    """Return what a belief says, to be compared bit by bit."""
+    return snapshot(replace(belief, alternatives=None, diagnosis=None, events=(), guarantee=None))
+
+
+def suspects_in(frames, suspects="pairs", lies="any"):
+    return Tolerance(1, 1.0, suspects, lies).heard([frame.measurements for frame in frames], 0.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("suspects", CLASSES)
+def test_the_truth_is_inside_while_one_lies_in_any_window(suspects, seed):
+    episode, rng = drawn(None, 30 + seed), np.random.default_rng([seed, len(suspects)])
+    may_lie = suspects_in(episode.frames, suspects)
+    if not may_lie:
+        pytest.skip("no compass in this draw")
+    frames = one_liar_a_window(episode.frames, may_lie, WINDOW, rng)
+    filter_ = tolerant(episode.team, suspects)
+    belief = filter_.start(0.0, episode.positions, episode.headings)
+    for frame in frames:
+        belief = stepped(filter_, belief, frame)
+        assert not outside(belief, frame.truth).any()
+        assert belief.guarantee.in_force.all()
+        for one, other in pairwise(belief.alternatives.cases):
+            assert one != other
+
+
+@pytest.mark.parametrize("lies", ["any", "long"])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_truth_is_inside_where_ranges_alone_are_measured(lies, seed):
+    scene, rng = DRIVES[seed].drawn([seed, 5], 25, 0.1), np.random.default_rng(seed)
+    frames = one_liar_a_window(scene.frames, suspects_in(scene.frames), 1.0, rng, long=lies == "long")
+    filter_ = tolerant(scene.team, lies=lies, window=1.0)
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    for frame in frames:
+        belief = stepped(filter_, belief, frame)
+        assert not outside(belief, frame.truth).any()
+
+
+@pytest.mark.parametrize("lies", ["any", "long"])
+def test_each_case_is_the_strict_filter_without_what_a_suspect_says(lies):
+    """The slow and obvious version: a strict filter for each suspect."""
+    scene = team_that_stands(np.random.default_rng(3), 0.1)
+    tolerance, strict = Tolerance(lies=lies, window=9.0), SetMembershipFilter(scene.team)
+    filter_ = SetMembershipFilter(scene.team, tolerance=tolerance)
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    for frame in scene.frames:
+        belief = stepped(filter_, belief, frame)
+    assert len(belief.alternatives.each) == 1 + len(suspects_in(scene.frames))
+    for one in belief.alternatives.each[:5]:
+        alone_ = strict.start(0.0, scene.initial, scene.headings)
+        for frame in scene.frames:
+            alone_ = stepped(strict, alone_, replace(frame, measurements=tolerance.believed(one.lying, frame.measurements)))
+        assert known(one.belief) == known(alone_)
+        for around, region in zip(belief.regions, alone_.regions, strict=True):
+            assert (region.outer.support(around.outer.normals) <= around.outer.offsets + ROUNDING).all()
+
+
+def test_who_never_measures_short_is_no_farther_than_measured():
+    record = Range(1.0, [0, 0, 1], [2, 3, 2], [5.0, 1.0, 2.0], [0.1, 0.2, 0.3], [0.01, 0.0, 0.5])
+    (left,) = Tolerance(lies="long").believed([Suspect("sighting", 0, 2)], (record,))
+    (least, most), (least_before, most_before) = left.interval(), record.interval()
+    assert (least == [0.0, *least_before[1:]]).all()
+    assert (most >= most_before).all()
+    assert most == pytest.approx(most_before)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_long_lies_cost_less_than_any_and_those_less_than_more(seed):
+    scene = alone(np.random.default_rng(seed), 5, 0.1)
+    strict = followed_in(scene, SetMembershipFilter(scene.team))
+    long, anything, two = (followed_in(scene, tolerant(scene.team, **which)) for which in ({"lies": "long"}, {}, {"q": 2}))
+    areas = [belief.regions[0].outer.area for belief in (strict, long, anything, two)]
+    assert areas == sorted(areas)
+    assert areas[0] < areas[-1]
+
+
+def followed_in(scene, filter_):
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    for frame in scene.frames:
+        belief = stepped(filter_, belief, frame)
+    return belief
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_two_that_lie_at_once_are_two(seed):
+    rng = np.random.default_rng(seed)
+    scene = alone(rng, 6, 0.1)
+    truth = scene.frames[0].truth
+    frame = lied(lied(scene.frames[0], Suspect("sighting", 0, 2), rng, size=2.5), Suspect("sighting", 0, 5), rng, size=3.5)
+    start = tolerant(scene.team).start(0.0, scene.initial, scene.headings)
+    assert not outside(stepped(tolerant(scene.team, q=2), start, frame), truth).any()
+    try:
+        belief = stepped(tolerant(scene.team), start, frame)
+    except Inconsistent as error:
+        assert error.sources
+    else:
+        assert belief.guarantee.in_force.all()
+
+
+def test_exchanged_markers_are_two_bodies():
+    episode = drawn("swap", 2)
+    filter_ = tolerant(episode.team, "bodies", q=2, window=60.0)
+    belief = filter_.start(0.0, episode.positions, episode.headings)
+    for frame in episode.frames[:24]:
+        belief = stepped(filter_, belief, frame)
+        assert not outside(belief, frame.truth).any()
+    assert any(len(case) == 2 for case in belief.alternatives.cases)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_becomes_one_contains_every_case(seed):
+    """When a window ends: places, headings, pairs, and poses of wide headings together."""
+    drive = DRIVES[seed].drawn([seed, 8], 9, 0.1)
+    filter_ = tolerant(drive.team, window=1.0)
+    belief = filter_.start(0.0, drive.initial, drive.headings)
+    for frame in drive.frames[:-1]:
+        before, belief = belief, stepped(filter_, belief, frame)
+    before = belief
+    after = filter_._begun_for(before, before.time + 2.0)
+    assert after.alternatives is None
+    i, j = np.triu_indices(drive.team.robots, 1)
+    mutual = SetMembershipFilter.relative(filter_, after, i, j)
+    for one in before.alternatives.each:
+        for around, region in zip(after.regions, one.belief.regions, strict=True):
+            assert (region.outer.support(around.outer.normals) <= around.outer.offsets + ROUNDING).all()
+        for around, part in zip(mutual, filter_.relative(one.belief, i, j), strict=True):
+            assert (part.support(around.normals) <= around.offsets + 1e-6).all()
+        for robot in np.unique(after.slices.robot).tolist():
+            for part in poses(one.belief, robot):
+                assert is_covered(part, after.slices.of(robot))
+
+
+def poses(belief, robot):
+    """Yield the middle of arcs of a robot's poses, and polygons' supports there."""
+    mine = belief.slices.of(robot)
+    for k in range(len(mine)):
+        for share in (-0.99, 0.0, 0.99):
+            yield mine.centre[k] + share * mine.bound[k], mine.reach[k]
+
+
+def is_covered(pose, slices):
+    """Return whether one of some slices has a heading, and contains a polygon."""
+    angle, reach = pose
+    here = slices.select(np.flatnonzero(slices.arcs.contains(np.full(len(slices), angle))))
+    return bool((reach <= here.reach + ROUNDING).all(axis=1).any())
+
+
+def test_it_says_what_it_tolerates_and_who_can_have_lied():
+    episode = drawn(None, 31)
+    rng, filter_ = np.random.default_rng(0), tolerant(episode.team, window=60.0)
+    belief = filter_.start(0.0, episode.positions, episode.headings)
+    words = "in force if at most 1 of these is wrong within any 60 s: what a robot takes for a target"
+    assert str(belief.guarantee) == words
+    liar = suspects_in(episode.frames[5:6])[0]
+    for k, frame in enumerate(episode.frames[:10]):
+        belief = stepped(filter_, belief, lied(frame, liar, rng, size=4.0) if k >= 5 else frame)
+        told = [event for event in belief.events if isinstance(event, Tolerated)]
+        assert bool(told) == (belief.suspects != () and belief.alternatives.told != ()) or not told
+        assert str(belief.guarantee) == words
+    assert liar in {replace(each, since=0.0) for each in belief.suspects}
+    assert "tolerated" in str(Tolerated(1.0, 0.0, ((liar,),)))
+
+
+def test_nothing_is_kept_in_a_tolerance_that_is_wrong():
+    for wrong in ({"q": 0}, {"window": 0.0}, {"suspects": "markers"}, {"suspects": ()}, {"lies": "short"}, {"suspects": 3}):
+        with pytest.raises(InvalidInput):
+            Tolerance(**wrong)
+    with pytest.raises(InvalidInput):
+        SetMembershipFilter(Team(1), tolerance=1)
+    assert Tolerance(suspects=("compasses", "pairs")).suspects == ("pairs", "compasses")
+
+
+def test_the_order_of_records_makes_no_difference_and_a_pickle_goes_on():
+    episode = drawn(None, 32)
+    filter_ = tolerant(episode.team, ("pairs", "cameras"))
+    belief = filter_.start(0.0, episode.positions, episode.headings)
+    for frame in episode.frames[:3]:
+        shuffled = replace(frame, measurements=tuple(reversed([_reversed(each) for each in frame.measurements])))
+        copy = pickle.loads(pickle.dumps(belief))
+        belief, other = (stepped(filter_, one, some) for one, some in ((belief, frame), (copy, shuffled)))
+        assert known(belief) == known(other)
+        assert belief.alternatives.cases == other.alternatives.cases
+
+
+def _reversed(record):
+    return replace(record, **{name: value[::-1] for name, value in vars(record).items() if isinstance(value, np.ndarray)})
+
+
+def test_several_instants_at_once_hold_the_truth_although_one_lies():
+    scene, rng = DRIVES[1].drawn([4, 8], 16, 0.1), np.random.default_rng(4)
+    frames = one_liar_a_window(scene.frames, suspects_in(scene.frames), 1.0, rng)
+    filter_ = tolerant(scene.team, window=1.0)
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    for first in range(0, len(frames), 4):
+        belief = filter_.advance(belief, frames[first : first + 4])
+        assert not outside(belief, frames[first + 3].truth).any()
+
+
+def test_one_more_than_is_tolerated_is_a_doubt_and_the_truth_stays_inside():
+    rng, seen = np.random.default_rng(1), False
+    scene = alone(rng, 8, 0.1)
+    frame = scene.frames[0]
+    for target in (2, 5):
+        frame = lied(frame, Suspect("sighting", 0, target), rng, size=4.0)
+    filter_ = going_on(scene.team, tolerance=Tolerance(window=60.0))
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    for k in range(1, 4):
+        later = replace(frame, time=float(k), measurements=tuple(replace(each, time=float(k)) for each in frame.measurements))
+        belief = stepped(filter_, belief, later)
+        seen |= any(isinstance(event, Doubted) for event in belief.events)
+        assert not outside(belief, frame.truth).any()
+        assert "at most 1 of these" in str(belief.guarantee)
+    assert seen
+
+
+def test_a_robot_that_is_placed_is_so_in_each_case():
+    episode = drawn(None, 33)
+    filter_ = tolerant(episode.team)
+    belief = followed(episode, filter_, 3)[-1]
+    truth = episode.frames[2].truth
+    belief = filter_.placed(belief, 1, Polygon.box(truth.positions[1] - 0.3, truth.positions[1] + 0.3))
+    assert all(one.belief.regions[1].outer.area == pytest.approx(0.36) for one in belief.alternatives.each)
+    later = stepped(filter_, belief, Frame(belief.time, None, episode.frames[2].measurements))
+    assert not outside(later, truth).any()
+
+
+def test_without_a_tolerance_nothing_is_kept():
+    episode = drawn(None, 34)
+    one, other = followed(episode, SetMembershipFilter(episode.team), 4)[-1], followed(episode, going_on(episode.team), 4)[-1]
+    assert one.alternatives is other.alternatives is None
+    assert str(one.guarantee) == "in force"
+    assert without(Suspect("past", 0), episode.frames[0].measurements) == episode.frames[0].measurements

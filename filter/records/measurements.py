@@ -82,7 +82,7 @@ class Compass(Record):
 class Bearing(Sighting):
     """Directions to targets in the measuring robot's, or sensor's, own frame.
 
-    Refused as degrees are those of more than two turns, in either sense.
+    Refused as degrees are those of more than four turns, in either sense.
 
     Attributes:
         time: When [s].

@@ -1,8 +1,9 @@
 """Angles that can only be degrees are refused at the door, whatever they are called.
 
-A bearing may be the difference of two or three angles that were wrapped, and so be up to two turns; a sensor says no more. A
-heading may be any number: a yaw that was never wrapped is honest. But no compass that may be off by more than a right angle
-counts turns, so there it is the bound that tells; one of pi says nothing, and does no harm.
+A bearing may be the difference of angles, and one of these a yaw that was not wrapped for a turn or two: so it may be up to four
+turns, which bearings in degrees are not for long. A heading may be any number: a yaw that was never wrapped is honest. But no
+compass that may be off by more than a right angle counts turns, so there it is the bound that tells; one of pi says nothing, and
+does no harm.
 """
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from filter.arrays import Array
 from filter.errors import InvalidInput
 
-TWO_TURNS, RIGHT_ANGLE = 4 * np.pi, np.pi / 2
+TWO_TURNS, FOUR_TURNS, RIGHT_ANGLE = 4 * np.pi, 8 * np.pi, np.pi / 2
 REMEDY = "numpy.radians makes radians of degrees"
 
 
@@ -24,7 +25,7 @@ def heading_in_radians(heading: Array, bound: Array) -> None:
 
 def bearing_in_radians(bearing: Array, name: str = "bearing") -> None:
     """Raise `InvalidInput` if any of (k,) bearings, or other angles as seen from a robot, can only be in degrees."""
-    wrong = bearing[np.abs(bearing) > TWO_TURNS]
+    wrong = bearing[np.abs(bearing) > FOUR_TURNS]
     if len(wrong):
-        expected = f"{name} [rad]: no more than two turns ({REMEDY}, wrap takes whole turns off)"
+        expected = f"{name} [rad]: no more than four turns ({REMEDY}, wrap takes whole turns off)"
         raise InvalidInput(expected, wrong[0].item())

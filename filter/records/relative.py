@@ -16,7 +16,7 @@ class RelativeHeading(Sighting):
 
     Where sensors are named, it is the forward axis of the target's, as seen from that of the robot's. It tells nothing of
     places; where the mate is, is said by a `Bearing` and a `Range` (see `seen_position`). Raises `InvalidInput` as all
-    records do (see `filter.records.measurements`). Refused as degrees are those of more than two turns, in either sense.
+    records do (see `filter.records.measurements`). Refused as degrees are those of more than four turns, in either sense.
 
     Attributes:
         time: When [s].

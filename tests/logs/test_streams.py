@@ -232,7 +232,7 @@ FAULTS = {
     "a heading of a landmark as well": ({**MATE, "landmark": None}, "relative_heading: no further field; came .landmark."),
     "a heading of nobody": ({**MATE, "target": None}, "target: whole numbers from 0 to 1, or names.*null"),
     "a heading of oneself": ({**MATE, "target": "bob"}, "relative heading: a target other than the robot"),
-    "a mate's heading in degrees": ({**MATE, "heading": 90}, "relative heading .rad.: no more than two turns"),
+    "a mate's heading in degrees": ({**MATE, "heading": 90}, "relative heading .rad.: no more than four turns"),
     "a position without a bound": ({name: FIX[name] for name in FIX if name != "bound"}, 'a field "bound"'),
     "a position in space": ({**FIX, "position": [1, 2, 3]}, "position: .x, y."),
     "a normal of nothing": ({**POSITIONS[4][0], "normal": [0, 0], "record": "position", "time": 1, "robot": 0}, "a direction"),

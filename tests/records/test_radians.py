@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from filter import Bearing, Compass, InvalidInput, Polygon, SetMembershipFilter, Team, wrap
 
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944592307816406286, 10**75)
-TWO_TURNS = 4 * np.pi
-BEYOND = np.nextafter(TWO_TURNS, 13)
+TWO_TURNS, FOUR_TURNS = 4 * np.pi, 8 * np.pi
+BEYOND, FAR_BEYOND = np.nextafter(TWO_TURNS, 13), np.nextafter(FOUR_TURNS, 26)
 ABOVE_90 = np.nextafter(np.pi / 2, 2)
 
 
 def test_bearings_in_degrees_are_refused_and_the_hint_says_what_to_do():
-    for value in (45.0, -45.0, 350.0, 13.0, [0.1, 90.0], [-90.0, 0.1], BEYOND, -BEYOND):
-        with pytest.raises(InvalidInput, match=r"bearing \[rad\].*numpy.radians.*wrap.*; came -?(45|350|1[23]|90)\."):
+    for value in (45.0, -45.0, 350.0, 26.0, [0.1, 90.0], [-90.0, 0.1], FAR_BEYOND, -FAR_BEYOND):
+        with pytest.raises(InvalidInput, match=r"bearing \[rad\].*numpy.radians.*wrap.*; came -?(45|350|2[56]|90)\."):
             Bearing(0.0, 0, 1, value, 0.05)
 
 
@@ -29,8 +29,13 @@ def test_the_difference_of_angles_that_were_wrapped_is_taken_with_any_error(angl
     assert Bearing(0.0, 0, 1, measured, bound).bearing.item() == measured
 
 
-def test_two_turns_are_just_taken():
-    assert len(Bearing(0.0, 0, 1, [TWO_TURNS, -TWO_TURNS], 0.0).bearing) == 2
+def test_four_turns_are_just_taken():
+    assert len(Bearing(0.0, 0, 1, [FOUR_TURNS, -FOUR_TURNS], 0.0).bearing) == 2
+
+
+def test_a_bearing_less_a_yaw_that_was_not_wrapped_for_two_turns_is_taken():
+    yaw = np.linspace(0, 2 * TWO_TURNS - np.pi, 50)
+    assert len(Bearing(0.0, 0, 1, np.pi - yaw, 0.05).bearing) == 50
 
 
 def test_headings_in_degrees_with_bounds_in_degrees_are_refused():

@@ -141,8 +141,8 @@ def test_the_kalman_filter_turns_by_it_across_half_a_turn():
 
 def test_what_is_refused():
     team = Team(2, [[3.0, 0.0]], arena=ARENA)
-    for wrong in (90.0, -13.0):
-        with pytest.raises(InvalidInput, match=r"relative heading \[rad\]: no more than two turns"):
+    for wrong in (90.0, -26.0):
+        with pytest.raises(InvalidInput, match=r"relative heading \[rad\]: no more than four turns"):
             RelativeHeading(0.0, 0, 1, wrong, 0.1)
     with pytest.raises(InvalidInput, match="relative heading: a target other than the robot"):
         RelativeHeading(0.0, 0, 0, 1.0, 0.1)

@@ -21,7 +21,7 @@ class Suspicion(Frozen):
     Attributes:
         memory: Sightings count less with their age, by 1/e in this time [s].
         repeat: A sighting of a pair that was seen less long ago than this counts by that share only [s].
-        strikes: So many contradicted sightings, and ...
+        strikes: So many contradicted sightings, of a camera at so many instants, and ...
         share: ... this share of all make a sensor be put aside; in (0, 1).
         mercy: Below so many, and below half the share, it is trusted again.
     """
@@ -43,6 +43,7 @@ class Trust(Frozen):
         seen: (n, b) sightings, by weight.
         struck: (n, b) those that were contradicted, by weight.
         streak: (n, b) those since the last that agreed, by weight.
+        instants: (n,) at how many instants each camera was contradicted, fading: one bad picture is one, whatever is in it.
         since: (n, b) when the first was contradicted after the last that agreed [s], inf where the last one agreed.
         camera: (n,) cameras that are put aside.
         identity: (b,) bodies whose identity is.
@@ -53,6 +54,7 @@ class Trust(Frozen):
     seen: Array
     struck: Array
     streak: Array
+    instants: Array
     since: Array
     camera: Mask
     identity: Mask
@@ -62,7 +64,7 @@ class Trust(Frozen):
         """Return full trust: nothing was seen yet."""
         never, none = np.full((robots, bodies), -np.inf), np.zeros((robots, bodies))
         aside = np.zeros(robots, dtype=bool), np.zeros(bodies, dtype=bool)
-        return cls(time, never, none, none, none, -never, *aside)
+        return cls(time, never, none, none, none, np.zeros(robots), -never, *aside)
 
     def aside(self, robot: int, target: int) -> bool:
         """Return whether sightings of this pair are not to be merged."""
@@ -72,7 +74,8 @@ class Trust(Frozen):
         """Return the trust after sightings at one time: robot, target, and whether it was contradicted."""
         fade = np.exp(-(time - self.time) / rules.memory)
         seen, struck, streak = self.seen * fade, self.struck * fade, self.streak * fade
-        last, since = self.last.copy(), self.since.copy()
+        last, since, instants = self.last.copy(), self.since.copy(), self.instants * fade
+        instants[list({robot for robot, _, contradicted in sightings if contradicted})] += 1
         for robot, target, contradicted in sightings:
             weight = min(1.0, (time - last[robot, target]) / rules.repeat)
             last[robot, target] = time
@@ -80,7 +83,7 @@ class Trust(Frozen):
             struck[robot, target] += weight * contradicted
             streak[robot, target] = streak[robot, target] + weight if contradicted else 0.0
             since[robot, target] = min(since[robot, target], time) if contradicted else np.inf
-        return Trust(time, last, seen, struck, streak, since, self.camera, self.identity)._put_aside(rules)
+        return Trust(time, last, seen, struck, streak, instants, since, self.camera, self.identity)._put_aside(rules)
 
     def _put_aside(self, rules: Suspicion) -> Trust:
         """Return the trust in which those sensors are trusted again that agree; then the guiltiest are put aside.
@@ -96,7 +99,7 @@ class Trust(Frozen):
         while True:
             # What is laid to the charge of one that is put aside does not count against the other.
             counts = ~(camera[:, None] | identity)
-            cameras = _charges(self.seen * counts, self.struck * counts, 1, rules)
+            cameras = _charges(self.seen * counts, self.struck * counts, 1, rules) * (self.instants > rules.strikes - 1)
             identities = _charges(lately * counts, self.streak * counts, 0, rules)
             if not (cameras.any() or identities.any()):
                 return replace(self, camera=camera, identity=identity)

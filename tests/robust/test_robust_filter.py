@@ -173,6 +173,20 @@ def test_a_robot_that_was_taken_elsewhere_starts_over():
     assert belief.guarantee.in_force[0]
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_one_bad_first_picture_costs_a_few_steps(seed):
+    world = world_of(seed, robots=1, landmarks=4, size=4.0)
+    robust = RobustFilter(world.team)
+
+    def turned(step, records):
+        return [replace(each, bearing=each.bearing + 0.5) if isinstance(each, Bearing) and not step else each for each in records]
+
+    beliefs = list(follow(robust, world, started(robust, world), 12, turned))
+    assert not beliefs[-1].trust.camera.any()
+    assert missing(beliefs[-1], world) == []
+    assert max(belief.regions[0].outer.area for belief in beliefs[5:]) < 1.0
+
+
 def test_an_identity_that_is_always_wrong_is_put_aside_and_named():
     """Landmark 0 hangs elsewhere than declared, metres away."""
     world = world_of(8, robots=3, landmarks=8, size=4.0)

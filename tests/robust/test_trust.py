@@ -62,6 +62,15 @@ def test_a_picture_every_blink_counts_no_more_than_one_in_a_while():
     assert trust.camera[2]
 
 
+def test_one_bad_picture_is_one_whatever_is_in_it():
+    trust, rules = Trust.full(ROBOTS, BODIES, 0.0), Suspicion()
+    for instant in range(1, 4):
+        assert not trust.camera.any()
+        trust = trust.judged(instant * 1.6, [(2, body, True) for body in range(4, 10)], rules)
+        trust = trust.judged(instant * 1.6 + 0.1, [(1, 9, False)], rules)
+    assert np.flatnonzero(trust.camera).tolist() == [2]
+
+
 def test_a_charge_is_as_old_as_the_first_contradiction_since_one_that_agreed():
     trust, rules = Trust.full(ROBOTS, BODIES, 0.0), Suspicion()
     for time, wrong in ((1.0, True), (2.0, False), (3.0, True), (4.0, True)):

@@ -7,12 +7,14 @@ judges work and what came out is in docs/performance.md.
 The key `area_over_exact_standing` of the summary is the strictest there is: of all robots that stand alone among anchors, the
 greatest ratio of the filter's area to the area of the exact convex hull, and the hull's at the least that its error allows.
 Beside it are the 95 % and the median. `bearings_over_exact` is the same of bearings without a compass. Of a team nobody knows
-the exact set: `team_area_over_exact_at_most` is the ratio to a hull that is inside it.
+the exact set: `team_area_over_exact_at_most` is the ratio to a hull that is inside it. `tolerance_over_exact_any` and `_long`
+are the greatest ratios of what the filter leaves if one range may lie, or be too long, to the hull of all that can be then.
 """
 
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,10 +24,11 @@ import numpy as np
 
 from experiments.beacons.climbing import at_most
 from experiments.beacons.figures import draw_figure
-from experiments.beacons.outcomes import Outcome, followed, judged
+from experiments.beacons.outcomes import Outcome, Verdict, followed, judged
+from experiments.beacons.prices import Price, prices_of, print_prices, summary_of_prices
 from experiments.beacons.recording import record
 from experiments.beacons.scenes import DRIVES, Scene, alone, bearings_alone, team_that_stands
-from experiments.beacons.summary import Found, of_kind, print_scenes, summary_of
+from experiments.beacons.summary import KINDS, Found, of_kind, print_scenes, summary_of
 from experiments.following.frozen import keep_within
 from experiments.following.metrics import Value
 from experiments.following.steps import warmed_up
@@ -79,19 +82,21 @@ def run(options: Options) -> int:
     folder = output_folder(options.out)
     warmed_up()
     try:
-        found = compute(options)
+        found, prices = compute(options)
     except Inconsistent as error:
         tell(f"records exclude one another: {error}")
         return 1
     few = too_short("ratios and areas", draws=(options.draws, ENOUGH_DRAWS), steps=(options.steps, ENOUGH_STEPS))
-    summary = {**said(options), **summary_of(found), "too_short": few}
+    summary = {**said(options), **summary_of(found), **summary_of_prices(prices), "too_short": few}
     write_summary(folder, summary)
-    draw_figure(folder, found)
+    draw_figure(folder, found, prices)
     scene = of_kind(found, "moving")[0].scene
     record(folder / "range_only.rrd", FILTERS[options.filter](scene.team), scene)
     print_scenes(summary)
+    if prices:
+        print_prices(summary, KINDS)
     print_table(f"range_only, in {folder}", summary)
-    return exit_code([outcome for outcome, _ in found])
+    return exit_code([*(outcome for outcome, _ in found), *(price.tolerant for price in prices)])
 
 
 def exit_code(outcomes: Sequence[Outcome]) -> int:
@@ -113,16 +118,23 @@ def said(options: Options) -> dict[str, Value]:
     }
 
 
-def compute(options: Options) -> Found:
-    """Return what the filter makes of every scene, and the verdict where there is a judge; raises what the filter raises."""
+def compute(options: Options) -> tuple[Found, list[Price]]:
+    """Return what the filter makes of every scene, the verdict where there is a judge, and what it costs to tolerate a lie.
+
+    Raises what the filter raises.
+    """
     scenes = list(scenes_of(options))
-    found = list[Any]()
+    found, prices, drawn = list[Any](), list[Price](), Counter[str]()
     with Counting(len(scenes), "scenes") as progress:
         for scene in scenes:
             outcome = followed(FILTERS[options.filter](scene.team), scene)
-            found.append((outcome, JUDGES.get(scene.kind, no_judge)(outcome)))
+            verdict = JUDGES.get(scene.kind, no_judge)(outcome)
+            found.append((outcome, verdict))
+            if options.filter == "sets":
+                prices += prices_of(outcome, verdict if isinstance(verdict, Verdict) else None, drawn[scene.kind])
+            drawn[scene.kind] += 1
             progress.advance()
-    return found
+    return found, prices
 
 
 def no_judge(_: Outcome) -> None:

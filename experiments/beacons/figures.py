@@ -14,6 +14,7 @@ from matplotlib.patches import Circle
 from experiments.against_ekf.figures import BARE, FAINT, INK, LOOK, PALE, SETS, TUNED
 from experiments.beacons.climbing import AtMost
 from experiments.beacons.outcomes import Outcome, Verdict, rings_of, sights_of
+from experiments.beacons.prices import Price
 from experiments.beacons.rings import Rings
 from experiments.beacons.scenes import DT
 from experiments.beacons.summary import Found, of_kind, verdicts_on
@@ -29,14 +30,14 @@ DRIVEN = {
 }
 
 
-def draw_figure(folder: Path, found: Found) -> None:
+def draw_figure(folder: Path, found: Found, prices: Sequence[Price] = ()) -> None:
     """Draw `range_only.png`: an example, one with a lie, the ratios of areas, areas and headings of those that drive."""
     with mpl.rc_context(LOOK):
         figure = Figure(figsize=(14.0, 9.6), layout="constrained")
         panels = figure.subplots(2, 3).ravel()
         for outcome, verdict in examples(found)[:1]:
             _near(panels[0], outcome, verdict)
-            _with_a_lie(panels[1], outcome, verdict)
+            _with_a_lie(panels[1], outcome, verdict, [each for each in prices if each.strict is outcome])
         _sights(panels[2], verdicts_on(found, "bearings"))
         _ratios(panels[3], found)
         _over_time(panels[4], found, "areas")
@@ -61,13 +62,16 @@ def _near(axes: Axes, outcome: Outcome, verdict: Verdict) -> None:
     axes.set_title(f"Ranges to {SHOWN} anchors: all that agrees [m]")
 
 
-def _with_a_lie(axes: Axes, outcome: Outcome, verdict: Verdict) -> None:
+def _with_a_lie(axes: Axes, outcome: Outcome, verdict: Verdict, prices: Sequence[Price]) -> None:
     rings, (anything, long) = rings_of(outcome.scene), (verdict.tolerant[lies] for lies in ("any", "long"))
     enough = len(rings.least) - 1
     _paint(axes, lambda points: rings.contains(points).sum(axis=1) >= enough, anything.around)
     _circles(axes, rings)
     _outline(axes, anything.inside, TUNED, f"if one of them may be wrong: {verdict.price('any'):.1f} times", 1.6)
     _outline(axes, long.inside, SETS, f"if one may be too long: {verdict.price('long'):.1f} times", 1.6)
+    times = " and ".join(f"{price.over_exact:.3f}" for price in prices if price.over_exact)
+    for price, label in zip(prices, (f"the filter's regions, {times} times these", ""), strict=False):
+        _outline(axes, price.tolerant.last[0].vertices, BARE, label, 0.8)
     _outline(axes, verdict.exact.inside, INK, "the exact hull of all that agrees", 1.0)
     _place(axes, outcome)
     axes.set_title("All that agrees with 3 of them [m]")
@@ -101,7 +105,7 @@ def _place(axes: Axes, outcome: Outcome) -> None:
 
 
 def _sights(axes: Axes, verdicts: Sequence[tuple[Outcome, Verdict]]) -> None:
-    axes.set_title("Bearings to 4, heading unknown [m]")
+    axes.set_title("4 bearings, no heading [m]")
     if not verdicts:
         return
     outcome, verdict = sorted(verdicts, key=lambda each: each[1].exact.least)[len(verdicts) // 3]

@@ -8,6 +8,7 @@ import pytest
 from helpers.recordings import rerun, rows_of
 
 from experiments import range_only
+from experiments.beacons import prices
 from experiments.beacons.outcomes import followed, judged
 from experiments.beacons.scenes import DRIVES, alone, team_that_stands
 from experiments.beacons.summary import KINDS
@@ -22,7 +23,10 @@ TINY = ["--draws", "1", "--runs", "1", "--steps", "12"]
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     folder = tmp_path_factory.mktemp("range_only")
-    code = main([*TINY, "--out", str(folder)])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prices, "STEPS", 3)
+        patch.setattr(prices, "OF_TEAMS", {"moving": 1})
+        code = main([*TINY, "--out", str(folder)])
     return folder, json.loads((folder / "summary.json").read_text()), code
 
 
@@ -41,7 +45,13 @@ def test_the_summary_has_all_that_is_asked_for_and_nothing_that_nobody_measures(
     for kind in KINDS:
         assert summary[f"{kind}_area_median_m2"] > 0
         assert summary[f"{kind}_step_median_ms"] > 0
-    assert not any(key.startswith("tolerance") for key in summary)
+    assert 1 <= summary["tolerance_over_exact_any"] < 1.1
+    assert 1 <= summary["tolerance_over_exact_long"] < 1.1
+    assert summary["price_alone_pairs_any"] > summary["price_alone_pairs_long"] > 1
+    assert summary["price_moving_bodies_any"] >= summary["price_moving_pairs_any"]
+    assert summary["price_moving_cameras_any_step_ms"] > 0
+    assert summary["tolerant_escapes"] == summary["tolerant_heading_escapes"] == 0
+    assert summary["tolerant_checks"] == 2 * 5 + 5 * 3 * 3
     assert summary["too_short"]
 
 
@@ -55,6 +65,7 @@ def test_there_are_a_figure_and_a_recording_that_can_be_read(ran):
 
 
 def test_a_truth_that_is_outside_is_an_exit_code_of_1(tmp_path, monkeypatch):
+    monkeypatch.setattr(prices, "OF_TEAMS", {})
     monkeypatch.setattr(range_only, "followed", lambda filter_, scene: followed(filter_, with_short_bounds(scene)))
     assert main([*TINY, "--out", str(tmp_path)]) == 1
 

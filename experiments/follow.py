@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -18,6 +18,7 @@ import tyro
 from experiments.following.beside import Beside
 from experiments.following.metrics import Metrics, Value
 from experiments.following.scenarios import Scenario, of_log
+from experiments.following.tolerating import Tolerating
 from experiments.keeping.files import Poses, Proofs, check_provable
 from experiments.keeping.regions import RegionFiles
 from experiments.keeping.running import Keeper, Running, Told, exit_code
@@ -74,6 +75,8 @@ class Options:
     policy: Policy = "raise"
     """What to do when measurements are proved to disagree: raise (stop), or reject what is wrong: go on with what is known
     whichever one thing that is, until it is found out."""
+    tolerating: tyro.conf.OmitArgPrefixes[Tolerating] = field(default_factory=Tolerating)
+    """What may be wrong, all the time."""
     certificates: bool = False
     """Write certificates.jsonl.gz, to be proved again by python -m experiments.prove."""
     view: bool = False
@@ -97,7 +100,7 @@ def run(options: Options) -> int:
     log = LogReader(options.log)
     scenario, watching = _watching(options, of_log(log))
     if options.certificates:
-        check_provable(scenario.team)
+        check_provable(scenario.team, options.tolerating.tolerance())
     filter_ = filter_of(options, scenario.team)
     folder = _emptied(output_folder(options.out))
     log.copy(folder / LOG)
@@ -116,7 +119,7 @@ def filter_of(options: Options, team: Team) -> Filter[Any]:
         return ExtendedKalmanFilter(team)
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
     scope = Window.everybody() if options.hops is None else Window(options.hops)
-    return make(team, scope=scope, policy=options.policy)
+    return make(team, scope=scope, policy=options.policy, tolerance=options.tolerating.tolerance())
 
 
 def every_of(options: Options) -> float:
@@ -131,6 +134,8 @@ def _check(options: Options) -> None:
     for name, default in defaults.items():
         if options.filter != "sets" and getattr(options, name) != default:
             raise InvalidInput(f"--filter sets, which alone has --{name}", f"--filter {options.filter}")
+    if options.tolerating.tolerance() is not None and options.filter != "sets":
+        raise InvalidInput("--filter sets, which alone has --tolerate", f"--filter {options.filter}")
     for name in ("against", "recording", "view"):
         if options.filter == "ekf" and getattr(options, name):
             raise InvalidInput(f"a filter with regions for --{name}", "--filter ekf")
@@ -208,7 +213,7 @@ class Following:
         options = self._options
         told: dict[str, Value] = {"replay": str(options.log)}
         if options.filter == "sets":
-            told |= {"solver": "exact", "policy": options.policy}
+            told |= {"solver": "exact", "policy": options.policy, "tolerated": options.tolerating.tolerate}
         own: dict[str, Value] = {"filter": options.filter, "formats": " ".join(dict.fromkeys(options.formats))}
         own |= {"every_s": every_of(options), "recording": RECORDING if options.recording or options.view else None}
         for keeper in self._told:

@@ -10,7 +10,7 @@ import gc
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -31,6 +31,7 @@ from experiments.feeds.watched import Watched
 from experiments.feeds.words import Words
 from experiments.following.metrics import Value
 from experiments.following.steps import warmed_up
+from experiments.following.tolerating import Tolerating
 from experiments.keeping.running import exit_code
 from experiments.keeping.watched import ALARMS, EPISODES, POSES, AlarmFiles, watch_summary
 from experiments.logs import InvalidLog, first_belief
@@ -85,6 +86,8 @@ class Options:
     policy: Policy = "raise"
     """What to do when measurements are proved to disagree: raise (stop), or reject what is wrong: go on with what is known
     whichever one thing that is, until it is found out."""
+    tolerating: tyro.conf.OmitArgPrefixes[Tolerating] = field(default_factory=Tolerating)
+    """What may be wrong, all the time."""
     watch: Path | None = None
     """Hold another estimator's poses against the regions as their time comes: a TUM file, r0.tum or r0_slam.tum, or a folder of
     them, read at the start. What is proved wrong is said at once."""
@@ -129,7 +132,8 @@ def filter_of(options: Options, team: Team) -> SetMembershipFilter:
     make = SetMembershipFilter if options.full else SetMembershipFilter.light
     scope = Window.everybody() if options.hops is None else Window(options.hops)
     budget = None if options.budget is None else Budget(options.budget, perf_counter)
-    return make(team, scope=scope, policy=options.policy, budget=budget, threads=1)
+    tolerance = options.tolerating.tolerance()
+    return make(team, scope=scope, policy=options.policy, tolerance=tolerance, budget=budget, threads=1)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -24,11 +24,12 @@ from experiments.following.frozen import keep_within
 from experiments.following.metrics import Value, guarantee_summary, rounded
 from experiments.following.scenarios import from_log
 from experiments.following.steps import warmed_up
+from experiments.following.tolerating import Tolerating
 from experiments.keeping.running import exit_code
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, tell
-from filter import Array, Doubted, Inconsistent, Judged, RobustFilter, SetMembershipFilter, Team
+from filter import Array, Doubted, Inconsistent, InvalidInput, Judged, RobustFilter, SetMembershipFilter, Team
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ class Options:
     """Time between two steps [s]."""
     filter: Literal["sets", "robust"] = "sets"
     """sets: looks for what is wrong where something is proved to disagree; robust: although one bound breaks now and then."""
+    tolerating: tyro.conf.OmitArgPrefixes[Tolerating] = field(default_factory=Tolerating)
+    """What may be wrong, all the time; for sets."""
     out: Path = Path("runs/standing_team")
     """Folder for summary, figure and recording."""
 
@@ -103,7 +106,12 @@ def liar_of(said: Heard, anchors: Sequence[int]) -> tuple[int, int]:
 
 def filter_of(options: Options, team: Team) -> SetMembershipFilter | RobustFilter:
     """Return the filter that the options ask for."""
-    return RobustFilter(team) if options.filter == "robust" else SetMembershipFilter(team, policy="reject")
+    tolerance = options.tolerating.tolerance()
+    if options.filter == "sets":
+        return SetMembershipFilter(team, policy="reject", tolerance=tolerance)
+    if tolerance is not None:
+        raise InvalidInput("--filter sets, which alone has --tolerate", "--filter robust")
+    return RobustFilter(team)
 
 
 def broken(said: Heard, limits: Array, learned: float) -> tuple[int, int]:

@@ -9,7 +9,7 @@ guarantee, linear/, sensing/, poses/, projection/, sets/, diagnosis/, robust/, s
 
 from filter.arrays import Array, Floats, Integers, Mask
 from filter.diagnosis.set_membership_filter import Policy, SetMembershipFilter
-from filter.diagnosis.tolerance import Tolerance
+from filter.diagnosis.tolerance import Lies, SuspectClass, Tolerance
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
 from filter.errors import CorralError, Inconsistent, InvalidInput, OutOfOrder, OutOfRange
 from filter.follow import AnyBelief, Filter, Step, changed, follow
@@ -55,10 +55,10 @@ __all__ += ["AngularIntervals", "Array", "Floats", "Integers", "Mask", "Polygon"
 __all__ += ["place_from_north", "position_from_range_difference", "wrap"]
 __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "changed", "follow"]
 __all__ += ["warm_up", "watch"]
-__all__ += ["PHASES", "Budget", "Policy", "SetMembershipFilter", "Stop", "Window"]
+__all__ += ["PHASES", "Budget", "Lies", "Policy", "SetMembershipFilter", "Stop", "Window"]
 __all__ += ["Alarm", "Belief", "ByCases", "Cases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof"]
 __all__ += ["Region", "Regions", "Rejected", "Source"]
-__all__ += ["Confirmed", "Doubted", "Judged", "Passed", "StartsOver", "Suspect", "Tolerance", "Tolerated"]
+__all__ += ["Confirmed", "Doubted", "Judged", "Passed", "StartsOver", "Suspect", "SuspectClass", "Tolerance", "Tolerated"]
 __all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
 __all__ += ["Rules", "Suspicion", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]

@@ -9,11 +9,13 @@ from experiments.following.located import directions, points
 from experiments.keeping.running import Keeper, Moment
 from experiments.logs import Certificates
 from experiments.show.output import Trajectories
-from filter import InvalidInput, Team
+from filter import InvalidInput, Team, Tolerance
 
 
-def check_provable(team: Team) -> None:
-    """Raise `InvalidInput` if a sensor's clock may be off, of which `experiments.prove` does not know."""
+def check_provable(team: Team, tolerance: Tolerance | None = None) -> None:
+    """Raise `InvalidInput` for a sensor whose clock may be off, and a tolerance, of which `experiments.prove` does not know."""
+    if tolerance is not None:
+        raise InvalidInput("--tolerate 0 for --certificates, as yet", f"--tolerate {tolerance.q}")
     off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
     if off is not None:
         raise InvalidInput("sensors without a time_bound for --certificates, as yet", off.name)

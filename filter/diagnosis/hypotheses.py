@@ -102,7 +102,7 @@ def _replayed(
             belief = (strict.updated if frame is frames[-1] else strict.briefly)(belief, records)
     except Inconsistent:
         return None
-    return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1]))
+    return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1]), agreed=belief.agrees)
 
 
 def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | None:
@@ -121,7 +121,7 @@ def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool
     groups, left = dict[object, list[Suspect]](), dict[object, Records]()
     if each.is_over:
         belief = _merged(strict, each.belief, each.suspects[0], records, is_early=False)
-        return [] if belief is None else [replace(each, belief=belief, used=counted(each.used, records))]
+        return [] if belief is None else [_further(each, belief, each.suspects, counted(each.used, records))]
     for suspect in each.suspects:
         some = without(suspect, records)
         groups.setdefault(signature(some), []).append(suspect)
@@ -130,8 +130,13 @@ def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool
     for case, suspects in groups.items():
         belief = _merged(strict, each.belief, suspects[0], left[case], is_early=is_early)
         if belief is not None:
-            found.append(Hypothesis(tuple(suspects), belief, _counted(each.used, suspects[0], left[case])))
+            found.append(_further(each, belief, suspects, _counted(each.used, suspects[0], left[case])))
     return found
+
+
+def _further(each: Hypothesis, belief: Belief, suspects: Sequence[Suspect], used: Used) -> Hypothesis:
+    """Return a hypothesis after measurements, of those of its suspects that leave out the same."""
+    return replace(each, suspects=tuple(suspects), belief=belief, used=used, agreed=each.agreed and belief.agrees)
 
 
 def _counted(used: Used, suspect: Suspect, left: Records) -> Used:

@@ -132,8 +132,8 @@ def _acquitted(diagnosis: Diagnosis) -> tuple[tuple[Hypothesis, ...], tuple[Susp
 
 
 def _agrees(suspect: Suspect, hypotheses: Sequence[Hypothesis], metres: Array) -> bool:
-    """Return whether some hypothesis has used for long enough what a suspect says."""
-    others = (each for each in hypotheses if each.is_over or suspect not in each.suspects)
+    """Return whether some hypothesis has used for long enough what a suspect says, and has tolerated no lie meanwhile."""
+    others = (each for each in hypotheses if each.agreed and (each.is_over or suspect not in each.suspects))
     return any(is_enough(suspect, each.used, metres) for each in others)
 
 
@@ -144,9 +144,10 @@ def _freed(living: Sequence[Hypothesis], suspect: Suspect) -> list[Hypothesis]:
     left = replace(home, suspects=tuple(one for one in home.suspects if one != suspect))
     others = [each for each in living if each not in {home, over}] + ([left] if left.suspects else [])
     if over is None:
-        return [*others, Hypothesis((suspect,), home.belief, home.used, is_over=True)]
-    used = Counter(over.used) & Counter(home.used)
-    return [*others, Hypothesis((*over.suspects, suspect), cover_of([over.belief, home.belief]), used, is_over=True)]
+        return [*others, Hypothesis((suspect,), home.belief, home.used, is_over=True, agreed=home.agreed)]
+    used, around = Counter(over.used) & Counter(home.used), cover_of([over.belief, home.belief])
+    both = replace(over, suspects=(*over.suspects, suspect), belief=around, used=used, agreed=over.agreed and home.agreed)
+    return [*others, both]
 
 
 def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) -> Belief:

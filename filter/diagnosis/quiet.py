@@ -98,7 +98,8 @@ def _tried(strict: Strict, belief: Belief, trial: Trial, records: Records) -> Tr
     if trial.belief is not None:
         try:
             found = strict.updated(trial.belief, records)
-            return replace(trial, belief=found, used=counted(trial.used, records))
         except Inconsistent:
-            pass
+            found = None
+        if found is not None and found.agrees:
+            return replace(trial, belief=found, used=counted(trial.used, records))
     return Trial(trial.suspect, belief.time, belief.alone, {}, np.zeros(strict.robots))

@@ -76,12 +76,18 @@ def merged_apart(strict: Strict, belief: Belief, records: Records, diagnosis: Di
         return strict.updated(belief, records), diagnosis, records
     heard = without_ties(robots, strict.robots, records)
     try:
-        return strict.updated(belief, heard), _further(diagnosis, heard), heard
+        found = strict.updated(belief, heard)
+        return found, _further(diagnosis, heard) if found.agrees else _again(diagnosis, belief.time), heard
     except Inconsistent:
         heard = without_robots(robots, heard)
-    again, time = _elsewhere(strict, belief, robots), belief.time
+    again = _elsewhere(strict, belief, robots)
+    return strict.updated(again, heard), _again(diagnosis, belief.time), heard
+
+
+def _again(diagnosis: Diagnosis, time: float) -> Diagnosis:
+    """Return a diagnosis in which all has to agree anew, from a time on [s]."""
     begun = tuple(replace(trial, since=time, used={}, metres=0 * trial.metres) for trial in diagnosis.suspended)
-    return strict.updated(again, heard), replace(diagnosis, suspended=begun), heard
+    return replace(diagnosis, suspended=begun)
 
 
 def _further(diagnosis: Diagnosis, records: Records) -> Diagnosis:

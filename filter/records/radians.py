@@ -1,9 +1,9 @@
 """Angles that can only be degrees are refused at the door, whatever they are called.
 
-A bearing may be the difference of angles, and one of these a yaw that was not wrapped for a turn or two: so it may be up to four
-turns, which bearings in degrees are not for long. A heading may be any number: a yaw that was never wrapped is honest. But no
-compass that may be off by more than a right angle counts turns, so there it is the bound that tells; one of pi says nothing, and
-does no harm.
+A bearing may be the difference of angles, and one of these a yaw that was not wrapped for a turn or two: so it may be up to
+four turns, which bearings in degrees are not for long. A heading may be any number: a yaw that was never wrapped is honest. But
+no compass that may be off by more than a right angle counts turns, so there it is the bound that tells; one of pi says nothing,
+and does no harm.
 """
 
 import numpy as np

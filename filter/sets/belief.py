@@ -85,6 +85,11 @@ class Belief:
         return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated
 
     @property
+    def agrees(self) -> bool:
+        """Whether it can be that nobody lies of those whose lies are tolerated."""
+        return self.alternatives is None or () in self.alternatives.cases
+
+    @property
     def alone(self) -> Belief:
         """What is known, without what is kept for a diagnosis."""
         return replace(self, diagnosis=None) if self.diagnosis else self
@@ -207,12 +212,14 @@ class Hypothesis:
         belief: What then is known.
         used: What was merged since the doubt began.
         is_over: Whether it was wrong, and is right again by evidence: it is listened to.
+        agreed: Whether nobody had to lie meanwhile of those whose lies are tolerated: else it is no evidence for anybody.
     """
 
     suspects: tuple[Suspect, ...]
     belief: Belief
     used: Used = field(default_factory=dict)
     is_over: bool = False
+    agreed: bool = True
 
 
 @dataclass(frozen=True, eq=False)

@@ -179,7 +179,9 @@ def test_one_bad_first_picture_costs_a_few_steps(seed):
     robust = RobustFilter(world.team)
 
     def turned(step, records):
-        return [replace(each, bearing=each.bearing + 0.5) if isinstance(each, Bearing) and not step else each for each in records]
+        return [
+            replace(each, bearing=each.bearing + 0.5) if isinstance(each, Bearing) and not step else each for each in records
+        ]
 
     beliefs = list(follow(robust, world, started(robust, world), 12, turned))
     assert not beliefs[-1].trust.camera.any()

@@ -26,6 +26,7 @@ from filter import (
 )
 from filter.diagnosis.hypotheses import without
 from filter.diagnosis.tolerance import CLASSES
+from filter.records.record import field_names
 
 ROUNDING = 1e-9  # [m]
 WINDOW = 4.0
@@ -33,6 +34,11 @@ WINDOW = 4.0
 
 def tolerant(team, suspects="pairs", lies="any", window=WINDOW, q=1, **options):
     return SetMembershipFilter(team, tolerance=Tolerance(q, window, suspects, lies), **options)
+
+
+def light(team, suspects="pairs", window=WINDOW):
+    """Return a filter that takes less time."""
+    return SetMembershipFilter.light(team, tolerance=Tolerance(1, window, suspects))
 
 
 def known(belief):
@@ -44,15 +50,14 @@ def suspects_in(frames, suspects="pairs", lies="any"):
     return Tolerance(1, 1.0, suspects, lies).heard([frame.measurements for frame in frames], 0.0)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("suspects", CLASSES)
 def test_the_truth_is_inside_while_one_lies_in_any_window(suspects, seed):
-    episode, rng = drawn(None, 30 + seed), np.random.default_rng([seed, len(suspects)])
-    may_lie = suspects_in(episode.frames, suspects)
-    if not may_lie:
-        pytest.skip("no compass in this draw")
-    frames = one_liar_a_window(episode.frames, may_lie, WINDOW, rng)
-    filter_ = tolerant(episode.team, suspects)
+    episode, rng = drawn("compass", 30 + seed), np.random.default_rng([seed, len(suspects)])
+    good = [frame for k, frame in enumerate(episode.frames) if k < episode.fault.when]
+    assert len(good) > 5
+    frames = one_liar_a_window(good, suspects_in(good, suspects), WINDOW, rng)
+    filter_ = light(episode.team, suspects)
     belief = filter_.start(0.0, episode.positions, episode.headings)
     for frame in frames:
         belief = stepped(filter_, belief, frame)
@@ -63,9 +68,9 @@ def test_the_truth_is_inside_while_one_lies_in_any_window(suspects, seed):
 
 
 @pytest.mark.parametrize("lies", ["any", "long"])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_truth_is_inside_where_ranges_alone_are_measured(lies, seed):
-    scene, rng = DRIVES[seed].drawn([seed, 5], 25, 0.1), np.random.default_rng(seed)
+    scene, rng = DRIVES[seed].drawn([seed, 5], 18, 0.1), np.random.default_rng(seed)
     frames = one_liar_a_window(scene.frames, suspects_in(scene.frames), 1.0, rng, long=lies == "long")
     filter_ = tolerant(scene.team, lies=lies, window=1.0)
     belief = filter_.start(0.0, scene.initial, scene.headings)
@@ -84,13 +89,14 @@ def test_each_case_is_the_strict_filter_without_what_a_suspect_says(lies):
     for frame in scene.frames:
         belief = stepped(filter_, belief, frame)
     assert len(belief.alternatives.each) == 1 + len(suspects_in(scene.frames))
-    for one in belief.alternatives.each[:5]:
+    for one in belief.alternatives.each:
+        for around, region in zip(belief.regions, one.belief.regions, strict=True):
+            assert (region.outer.support(around.outer.normals) <= around.outer.offsets + ROUNDING).all()
+    for one in belief.alternatives.each[::6]:
         alone_ = strict.start(0.0, scene.initial, scene.headings)
         for frame in scene.frames:
             alone_ = stepped(strict, alone_, replace(frame, measurements=tolerance.believed(one.lying, frame.measurements)))
         assert known(one.belief) == known(alone_)
-        for around, region in zip(belief.regions, alone_.regions, strict=True):
-            assert (region.outer.support(around.outer.normals) <= around.outer.offsets + ROUNDING).all()
 
 
 def test_who_never_measures_short_is_no_farther_than_measured():
@@ -125,12 +131,20 @@ def test_two_that_lie_at_once_are_two(seed):
     scene = alone(rng, 6, 0.1)
     truth = scene.frames[0].truth
     frame = lied(lied(scene.frames[0], Suspect("sighting", 0, 2), rng, size=2.5), Suspect("sighting", 0, 5), rng, size=3.5)
-    start = tolerant(scene.team).start(0.0, scene.initial, scene.headings)
-    assert not outside(stepped(tolerant(scene.team, q=2), start, frame), truth).any()
+    frame = replace(frame, time=2.0, measurements=tuple(replace(each, time=2.0) for each in frame.measurements))
+    before = [followed_in(scene, tolerant(scene.team, q=q)) for q in (1, 2)]
+    assert not outside(stepped(tolerant(scene.team, q=2), before[1], frame), truth).any()
     try:
-        belief = stepped(tolerant(scene.team), start, frame)
+        belief = stepped(tolerant(scene.team), before[0], frame)
     except Inconsistent as error:
-        assert error.sources
+        named = {source.target for source in error.sources if source.kind == "range"}
+        (record,) = frame.measurements
+        columns = {name: getattr(record, name)[np.isin(record.target, list(named))] for name in field_names(record)}
+        is_known = any(source.kind == "region" for source in error.sources)
+        anywhere = tolerant(scene.team).start(before[0].time, scene.initial, scene.headings)
+        around = replace(before[0], alternatives=None) if is_known else anywhere
+        with pytest.raises(Inconsistent):  # what is named is too much for the tolerance by itself
+            stepped(tolerant(scene.team), around, replace(frame, measurements=(replace(record, **columns),)))
     else:
         assert belief.guarantee.in_force.all()
 
@@ -145,16 +159,16 @@ def test_exchanged_markers_are_two_bodies():
     assert any(len(case) == 2 for case in belief.alternatives.cases)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, 1])
 def test_what_becomes_one_contains_every_case(seed):
     """When a window ends: places, headings, pairs, and poses of wide headings together."""
-    drive = DRIVES[seed].drawn([seed, 8], 9, 0.1)
-    filter_ = tolerant(drive.team, window=1.0)
+    drive = DRIVES[seed].drawn([seed, 8], 6, 0.1)
+    filter_ = tolerant(drive.team, window=9.0)
     belief = filter_.start(0.0, drive.initial, drive.headings)
-    for frame in drive.frames[:-1]:
-        before, belief = belief, stepped(filter_, belief, frame)
+    for frame in drive.frames:
+        belief = stepped(filter_, belief, frame)
     before = belief
-    after = filter_._begun_for(before, before.time + 2.0)
+    after = filter_._begun_for(before, before.time + 9.0)
     assert after.alternatives is None
     i, j = np.triu_indices(drive.team.robots, 1)
     mutual = SetMembershipFilter.relative(filter_, after, i, j)
@@ -195,6 +209,7 @@ def test_it_says_what_it_tolerates_and_who_can_have_lied():
         told = [event for event in belief.events if isinstance(event, Tolerated)]
         assert bool(told) == (belief.suspects != () and belief.alternatives.told != ()) or not told
         assert str(belief.guarantee) == words
+        assert belief.agrees == (not belief.suspects)
     assert liar in {replace(each, since=0.0) for each in belief.suspects}
     assert "tolerated" in str(Tolerated(1.0, 0.0, ((liar,),)))
 
@@ -210,7 +225,7 @@ def test_nothing_is_kept_in_a_tolerance_that_is_wrong():
 
 def test_the_order_of_records_makes_no_difference_and_a_pickle_goes_on():
     episode = drawn(None, 32)
-    filter_ = tolerant(episode.team, ("pairs", "cameras"))
+    filter_ = light(episode.team, ("bodies", "cameras"))
     belief = filter_.start(0.0, episode.positions, episode.headings)
     for frame in episode.frames[:3]:
         shuffled = replace(frame, measurements=tuple(reversed([_reversed(each) for each in frame.measurements])))

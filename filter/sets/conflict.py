@@ -69,7 +69,8 @@ class Premises:
     def parts(self) -> Parts:
         """What was known before, motions and measurements. Which are named where there is a choice: the first ones."""
         then, robots = self.before.time, range(self.team.robots)
-        is_start = self.before.found is None and bool((self.before.sources.time == then).all())
+        sources, initial = self.before.sources, KINDS.index("initial set")
+        is_start = self.before.found is None and bool(((sources.time == then) & (sources.kind == initial)).all())
         known = [Source("initial set" if is_start else "region", then, robot) for robot in robots]
         known += [Source("heading", then, robot) for robot in np.flatnonzero(~self.before.headings.full).tolist()]
         i, j, _ = self.before.constraints.grouped()

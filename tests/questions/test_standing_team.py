@@ -77,6 +77,14 @@ def test_a_range_that_is_too_long_is_in_doubt_and_said(log):
     assert (path.parent / "out/standing_team.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_range_that_is_too_long_is_no_doubt_where_that_is_tolerated(log):
+    code, summary = ran(log(), "--lie", "longer", "--tolerate", "1", "--suspects", "bodies", "--lies", "long")
+    assert code == 0
+    assert summary["escapes"] == summary["doubts"] == 0
+    assert summary["guarantee_in_force"]
+    assert ran(log(), "--filter", "robust", "--tolerate", "1")[0] == BAD_INPUT
+
+
 def test_an_anchor_that_was_moved_is_in_doubt_at_once(log):
     code, summary = ran(log(), "--lie", "moved")
     assert code == 0

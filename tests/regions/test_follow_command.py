@@ -20,6 +20,7 @@ import experiments.keeping.running
 from experiments import prove
 from experiments.follow import Options, main
 from experiments.following.steps import steps
+from experiments.following.tolerating import Tolerating
 from experiments.logs import LogReader, tum_line
 from experiments.moving_team import main as moving_team
 from experiments.regions import FILES, FORMATS
@@ -229,6 +230,10 @@ REFUSED = {
     "a picture of no regions": (["--filter", "ekf", "--recording"], "a filter with regions for --recording"),
     "nothing to watch": (["--watch", "nowhere/r0.tum"], "a readable TUM file"),
     "no such window": (["--hops", "-1"], "hops"),
+    "a tolerance": (["--filter", "robust", "--tolerate", "1"], "--filter sets, which alone has --tolerate"),
+    "lies of nobody": (["--lies", "long"], "a --tolerate above 0"),
+    "fewer than nobody": (["--tolerate", "-1"], "q, suspects that lie"),
+    "proofs of a tolerance": (["--tolerate", "1", "--certificates"], "--tolerate 0 for --certificates"),
 }
 
 
@@ -326,14 +331,22 @@ def test_a_viewer_that_cannot_be_opened_is_told(log, tmp_path, monkeypatch, caps
     assert "no live viewer (none here)" in capsys.readouterr().err
 
 
+def test_a_lie_that_is_tolerated_ends_with_0(tmp_path):
+    path = write_log(tmp_path / "lying.jsonl", change=lie)
+    assert (
+        main([str(path), "--tolerate", "1", "--suspects", "pairs", "compasses", "--light", "--out", str(tmp_path / "out")]) == 0
+    )
+    assert summary_in(tmp_path / "out")["tolerated"] == 1
+
+
 def test_the_help_explains_every_option(capsys):
     with pytest.raises(SystemExit) as ended:
         main(["--help"])
     assert ended.value.code == 0
     said = capsys.readouterr().out
     assert "LOG" in said
-    for option in fields(Options):
-        assert option.name == "log" or f"--{option.name}" in said
+    for option in (*fields(Options), *fields(Tolerating)):
+        assert option.name in ("log", "tolerating") or f"--{option.name}" in said
 
 
 LOADED = """

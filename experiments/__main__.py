@@ -7,7 +7,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 # In the order in which they are best read.
-TOUR = ("one_robot", "team", "own_log", "rejected_lie", "no_compass", "watching", "large_team", "late_records")
+TOUR = ("one_robot", "team", "own_log", "rejected_lie", "tolerated_lie", "no_compass", "watching", "large_team", "late_records")
 QUESTIONS = {
     "Before all others": ("warm_up",),
     "Your own log": ("follow", "live"),

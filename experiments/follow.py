@@ -229,6 +229,9 @@ class Following:
             tell(f"the filter stopped: {conflict}")
         if self._beside and self._beside.failure:
             tell(f"the EKF ends early: {self._beside.failure}")
+        tolerance = self._options.tolerating.tolerance()
+        if tolerance is not None:
+            tell(f"the guarantee is in force {tolerance}")
         if metrics.suspended is not None:
             tell(f"the guarantee is {self._scenario.team.words(metrics.suspended)}")
         if not metrics.checks and self._options.filter != "ekf":

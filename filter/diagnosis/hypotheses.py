@@ -135,8 +135,31 @@ def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool
 
 
 def _counted(used: Used, suspect: Suspect, left: Records) -> Used:
-    """Return who has said something that was merged as it was told, with what is left of one instant."""
-    return counted(used, _without_both(suspect, left) if suspect.kind == "exchange" else left)
+    """Return who has said something that was merged, with what is left of one instant; exchanged markers are as they came."""
+    return counted(used, without(suspect, left) if suspect.kind == "exchange" else left)
+
+
+def as_told(each: Hypothesis) -> Used:
+    """Return what a hypothesis has used of bodies by the names that were told: not what it took for another's."""
+    (suspect, *_) = each.suspects
+    if each.is_over or suspect.kind != "exchange":
+        return each.used
+    return {who: count for who, count in each.used.items() if who[2] not in suspect.who[1:]}
+
+
+def right_again(strict: Strict, each: Hypothesis, suspects: Sequence[Suspect], records: Records) -> list[Hypothesis]:
+    """Return what is known if some of a hypothesis were wrong and are right by now; none if what they say now leaves nothing.
+
+    Args:
+        strict: What the strict filter does.
+        each: The hypothesis, after the measurements that it has not left out.
+        suspects: Who is right again; none, and nothing is.
+        records: All measurements of its time.
+    """
+    belief: Belief | None = each.belief
+    if suspects and signature(without(suspects[0], records)) != signature(records):
+        belief = _merged(strict, each.belief, suspects[0], records, is_early=False)
+    return [Hypothesis(tuple(suspects), belief, as_told(each), is_over=True)] if suspects and belief else []
 
 
 def _merged(strict: Strict, belief: Belief, suspect: Suspect, records: Records, *, is_early: bool) -> Belief | None:

@@ -1,5 +1,5 @@
 """Diagnosis: what is known after a conflict, whichever one thing is wrong, until it is found.
 
-Read the modules in this order: told, suspects, evidence, cover, hypotheses, starting_over, judging, quiet,
+Read the modules in this order: told, suspects, evidence, cover, hypotheses, replays, starting_over, judging, quiet,
 set_membership_filter.
 """

@@ -12,7 +12,8 @@ import numpy as np
 from filter.arrays import Array
 from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import is_enough
-from filter.diagnosis.hypotheses import Strict, as_told, merged, moved_on, right_again, tried_again
+from filter.diagnosis.hypotheses import Strict, as_told, merged, moved_on, right_again
+from filter.diagnosis.replays import tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
 from filter.diagnosis.suspects import suspects_of
 from filter.diagnosis.told import Records, without_robots
@@ -38,7 +39,7 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
     since = diagnosis.recent[0].before.time
     frames = [frame for each in diagnosis.recent for frame in each.frames]
     suspects = suspects_of(conflict, frames, strict.robots, since)
-    living = tried_again(strict, diagnosis.recent, suspects)
+    living = tried_again(strict, diagnosis.recent, suspects, suspects_of(conflict, (), strict.robots, since))
     begun = replace(
         diagnosis,
         recent=(),
@@ -82,13 +83,7 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
 
 def _elsewhere(strict: Strict, belief: Belief, time: float) -> Belief:
     """Return the belief at a later time [s] if every robot can be anywhere."""
-    there = sorted(set(range(strict.robots)) - belief.guarantee.away)
-    for robot in there:
-        belief = strict.anywhere(belief, robot)
-    belief = strict.predicted(belief, time, None)
-    for robot in there:
-        belief = strict.anywhere(belief, robot)
-    return belief
+    return strict.wander(belief, time, None, set(range(strict.robots)) - belief.guarantee.away)
 
 
 def driven(before: Array | None, odometry: Odometry | None, robots: int) -> Array:

@@ -1,22 +1,29 @@
 """The last instants, tried again: many suspects at once, and yet the same as one by one."""
 
+import numpy as np
 import pytest
 from helpers.drawn.broken import drawn, going_on, stepped
 from helpers.teams import snapshot
 
 from experiments.broken.fault import KINDS
-from filter import Suspect
+from filter import Bearing, Compass, Suspect
 from filter.diagnosis import judging, replays
 from filter.diagnosis.replays import tried_again
 
 
-def slowly(strict, recent, suspects, named):
-    """Return the same, with each suspect alone."""
-    return tried_again(strict, recent, suspects, suspects)
+def told(records):
+    """Return kinds, robots and targets of single readings, each once."""
+    return {
+        (type(record).__name__, *pair)
+        for record in records
+        for pair in zip(
+            record.robot.tolist(), getattr(record, "target", np.full(len(record.robot), None)).tolist(), strict=True
+        )
+    }
 
 
 def of_the_doubt(kind, landmarks, monkeypatch):
-    """Return what is asked when a doubt begins, and how often instants were tried again for the answer."""
+    """Return what is asked when a doubt begins, with an entry for each time that instants were tried again for the answer."""
     asked, times = [], []
     once = replays._replayed
     monkeypatch.setattr(replays, "_replayed", lambda *given: times.append(0) or once(*given))
@@ -27,26 +34,24 @@ def of_the_doubt(kind, landmarks, monkeypatch):
     for frame in episode.frames:
         belief = stepped(filter_, belief, frame)
         if asked:
-            return asked[0], times
-    return None
+            break
+    return asked[0], times
 
 
 @pytest.mark.parametrize("landmarks", [4, 2])
 @pytest.mark.parametrize("kind", KINDS)
 def test_many_at_once_are_excluded_as_one_by_one(kind, landmarks, monkeypatch):
-    found = of_the_doubt(kind, landmarks, monkeypatch)
-    if found is None:
-        pytest.skip("nothing was found to be wrong")
-    given, times = found
-    together = tried_again(*given)
-    count = len(times) // 2
+    (strict, recent, suspects, named), times = of_the_doubt(kind, landmarks, monkeypatch)
+    count = len(times)
     times.clear()
-    apart = slowly(*given)
+    apart = tried_again(strict, recent, suspects, suspects)
     assert count <= len(times)
-    assert [each.suspects for each in together] == [each.suspects for each in apart]
-    for one, other in zip(together, apart, strict=True):
-        assert snapshot(one.belief.polytope) == snapshot(other.belief.polytope)
-        assert one.used == other.used
+    for some in (named, ()):  # whoever is named has a part in most conflicts: nobody is, so that these are among the many
+        together = tried_again(strict, recent, suspects, some)
+        assert [each.suspects for each in together] == [each.suspects for each in apart]
+        for one, other in zip(together, apart, strict=True):
+            assert snapshot(one.belief.polytope) == snapshot(other.belief.polytope)
+            assert one.used == other.used
 
 
 def test_a_sighting_is_implied_by_its_sensor_and_its_body():
@@ -55,3 +60,14 @@ def test_a_sighting_is_implied_by_its_sensor_and_its_body():
     assert replays._is_implied(sighting, {("sensor", 0, -1)})
     assert not replays._is_implied(sighting, {("sensor", 1, -1), ("body", -1, 3), ("past", 0, -1)})
     assert not replays._is_implied(Suspect("body", None, 4), {("sensor", 0, -1)})
+
+
+def test_nothing_is_left_that_was_read_of_those_who_are_exchanged_nor_of_any_of_many():
+    records = (Bearing(0.0, [0, 0, 0, 3, 3], [1, 2, 4, 1, 5], 0.1, 0.1), Compass(0.0, [0, 3], 0.1, 0.1))
+    left = replays._without_them([Suspect("exchange", 1, 2)], records)
+    assert told(left) == {("Bearing", 0, 4), ("Bearing", 3, 5), ("Compass", 0, None), ("Compass", 3, None)}
+    left = replays._without_them(
+        [Suspect("exchange", 1, 2), Suspect("past", 0), Suspect("sensor", 3), Suspect("compass", 3)], records
+    )
+    assert told(left) == {("Bearing", 0, 4), ("Compass", 0, None)}
+    assert replays._wandering([Suspect("exchange", 1, 2), Suspect("past", 0), Suspect("sensor", 3)]) == {0}

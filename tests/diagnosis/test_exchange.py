@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers.drawn.broken import culprit, drawn, followed, outside
 
+from experiments.broken.fault import LASTING
 from filter import Bearing, Inconsistent, Judged, Suspect
 from filter.diagnosis.evidence import INSTANTS
 from filter.diagnosis.hypotheses import Strict, as_told, merged, right_again
@@ -119,3 +120,12 @@ def test_it_is_named_within_ten_frames_by_who_keeps_one_of_the_two_in_view(seed)
         told += [str(event) for event in belief.events if isinstance(event, Judged)]
     assert [suspect.who for suspect in beliefs[-1].aside] == [culprit(episode.fault)]
     assert told[-1].startswith("guilty, by evidence: markers of robot ")
+
+
+def test_a_camera_that_misreads_for_good_is_taken_for_an_exchange_and_nothing_wrong_is_used(monkeypatch):
+    monkeypatch.setattr("experiments.broken.drawn.LASTING", (*LASTING, "misread"))
+    episode = drawn("misread", 21, 2)
+    beliefs = followed(episode)
+    assert ("exchange", 0, 2) in [suspect.who for suspect in beliefs[-1].aside]
+    for belief, frame in list(zip(beliefs, episode.frames, strict=True))[episode.fault.when :]:
+        assert not outside(belief, frame.truth).any()

@@ -11,6 +11,8 @@ from filter.sets.suspect import Suspect
 
 # Who leaves out more comes first.
 TRIED_FIRST = ("past", "compass", "sensor", "body", "exchange", "sighting")
+# Sightings are implied; and where there is no arena, robots that are anywhere one after the other get too far to count with.
+ALONE = ("past", "sighting")
 
 
 def tried_again(
@@ -30,7 +32,7 @@ def tried_again(
     """
     before, frames = recent[0].before, [frame for each in recent for frame in each.frames]
     ordered = sorted(suspects, key=lambda each: (TRIED_FIRST.index(each.kind), each.who))
-    others = [each for each in ordered if each not in named and each.kind != "sighting"]
+    others = [each for each in ordered if each not in named and each.kind not in ALONE]
     dead = {each.who for each in others} - {each.who for each in _not_excluded(strict, before, frames, others)}
     cases, known = dict[object, list[Suspect]](), dict[object, Belief | None]()
     for suspect in ordered:
@@ -39,7 +41,7 @@ def tried_again(
         left = _leavings(suspect, frames)
         case = suspect.who if suspect.kind == "past" else tuple(map(signature, left))
         if case not in known:
-            known[case] = _replayed(strict, before, frames, left, _wandering([suspect]))
+            known[case] = _replayed(strict, before, frames, left, suspect.who[1] if suspect.kind == "past" else None)
         if known[case] is None:
             dead.add(suspect.who)
         cases.setdefault(case, []).append(suspect)
@@ -55,7 +57,7 @@ def _not_excluded(strict: Strict, before: Belief, frames: Sequence[Frame], suspe
     if len(suspects) <= 1:
         return list(suspects)
     left = [_without_them(suspects, tuple(frame.measurements)) for frame in frames]
-    if _replayed(strict, before, frames, left, _wandering(suspects)) is None:
+    if _replayed(strict, before, frames, left) is None:
         return []
     half = len(suspects) // 2
     return [one for some in (suspects[:half], suspects[half:]) for one in _not_excluded(strict, before, frames, some)]
@@ -80,20 +82,15 @@ def _without_them(suspects: Iterable[Suspect], records: Records) -> Records:
     return records
 
 
-def _wandering(suspects: Iterable[Suspect]) -> set[int]:
-    """Return the robots that can be anywhere, as their past is suspected."""
-    return {suspect.who[1] for suspect in suspects if suspect.kind == "past"}
-
-
 def _replayed(
-    strict: Strict, before: Belief, frames: Sequence[Frame], left: Sequence[Records], wandering: Collection[int]
+    strict: Strict, before: Belief, frames: Sequence[Frame], left: Sequence[Records], wandering: int | None = None
 ) -> Belief | None:
-    """Return what is known after some instants, of which so much is left; None if that cannot be."""
+    """Return what is known after instants of which so much is left, with a robot anywhere in each; None if that cannot be."""
     belief = before
     try:
         for frame, records in zip(frames, left, strict=True):
-            if wandering:
-                belief = strict.wander(belief, frame.time, frame.odometry, wandering)
+            if wandering is not None:
+                belief = strict.wander(belief, frame.time, frame.odometry, {wandering})
             elif frame.time != belief.time or frame.odometry is not None:
                 belief = strict.predicted(belief, frame.time, frame.odometry)
             belief = (strict.updated if frame is frames[-1] else strict.briefly)(belief, records)

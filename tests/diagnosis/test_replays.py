@@ -6,7 +6,7 @@ from helpers.drawn.broken import drawn, going_on, stepped
 from helpers.teams import snapshot
 
 from experiments.broken.fault import KINDS
-from filter import Bearing, Compass, Suspect
+from filter import Bearing, Compass, Odometry, Polygon, Range, Suspect, Team
 from filter.diagnosis import judging, replays
 from filter.diagnosis.replays import tried_again
 
@@ -70,4 +70,18 @@ def test_nothing_is_left_that_was_read_of_those_who_are_exchanged_nor_of_any_of_
         [Suspect("exchange", 1, 2), Suspect("past", 0), Suspect("sensor", 3), Suspect("compass", 3)], records
     )
     assert told(left) == {("Bearing", 0, 4), ("Compass", 0, None)}
-    assert replays._wandering([Suspect("exchange", 1, 2), Suspect("past", 0), Suspect("sensor", 3)]) == {0}
+
+
+def test_where_there_is_no_arena_many_robots_in_doubt_are_not_farther_away_than_can_be_counted():
+    count, team = 6, Team(7, [[4.0, 4.0], [-4.0, 4.0]], speed_limit=1.0, turn_rate_limit=1.0)
+    filter_ = going_on(team, cells=0)
+    places = 2.0 * np.stack([np.cos(np.arange(7.0)), np.sin(np.arange(7.0))], axis=1)
+    belief = filter_.start(0.0, [Polygon.box(place - 0.1, place + 0.1) for place in places])
+    robot, target = np.nonzero(~np.eye(7, dtype=bool))
+    apart = np.hypot(*(places[robot] - places[target]).T)
+    for step in range(count):
+        apart[0] += 9.0 * (step == count - 1)
+        told = Odometry(float(step), step + 1.0, range(7), 0.0, 0.01, 0.0, 0.01, direction_bound=0.01, slip_bound=0.0)
+        belief = filter_.update(filter_.predict(belief, step + 1.0, told), [Range(step + 1.0, robot, target, apart, 0.1, 0.0)])
+    assert belief.suspects
+    assert belief.regions.contains(places).all()

@@ -1,23 +1,13 @@
-"""Hypotheses: the last instants, and all that come, tried without each suspect. What is proved to be empty cannot be."""
+"""Hypotheses: what is known without each suspect, from instant to instant. What is proved to be empty cannot be."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-from filter.diagnosis.told import Records, Who, counted, signature, without
+from filter.diagnosis.told import Records, counted, signature, without
 from filter.errors import Inconsistent
-from filter.records.frame import Frame
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Hypothesis, Recent, Used
+from filter.sets.belief import Belief, Hypothesis, Used
 from filter.sets.suspect import Suspect
-
-TRIED_FIRST = (
-    "past",
-    "compass",
-    "sensor",
-    "body",
-    "exchange",
-    "sighting",
-)  # who leaves out more comes first
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,65 +34,16 @@ class Strict:
     briefly: Callable[[Belief, Records], Belief]
     named: Callable[[Belief, Records, Inconsistent], Inconsistent]
 
-    def wanders(self, belief: Belief, time: float, odometry: Odometry | None, robot: int) -> Belief:
-        """Return the belief at a later time [s] if nothing is known of where a robot was, nor of how it moved."""
-        others = odometry and odometry.without({robot})
-        return self.anywhere(self.predicted(self.anywhere(belief, robot), time, others), robot)
+    def wander(self, belief: Belief, time: float, odometry: Odometry | None, robots: Collection[int]) -> Belief:
+        """Return the belief at a later time [s] if nothing is known of where some robots were, nor of how they moved."""
+        others = odometry and odometry.without(set(robots))
+        return self.elsewhere(self.predicted(self.elsewhere(belief, robots), time, others), robots)
 
-
-def tried_again(strict: Strict, recent: Sequence[Recent], suspects: Sequence[Suspect]) -> tuple[Hypothesis, ...]:
-    """Return what is known after the last instants if one of the suspects is wrong, in each case that is not proved empty.
-
-    Algorithm:
-        Whoever leaves out less than somebody without whom there is a contradiction leaves one, too: a sighting less than its
-        sensor and its body. So these come first. Those who leave out the same are one hypothesis.
-    """
-    frames = [frame for each in recent for frame in each.frames]
-    cases, known = dict[object, list[Suspect]](), dict[object, Hypothesis | None]()
-    dead = set[Who]()
-    for suspect in sorted(suspects, key=lambda each: (TRIED_FIRST.index(each.kind), each.who)):
-        if suspect.kind == "sighting" and dead & {("sensor", suspect.who[1], -1), ("body", -1, suspect.who[2])}:
-            continue
-        left = _leavings(suspect, [tuple(frame.measurements) for frame in frames])
-        case = suspect.who if suspect.kind == "past" else tuple(map(signature, left))
-        if case not in known:
-            known[case] = _replayed(strict, recent[0].before, suspect, frames, left)
-        if known[case] is None:
-            dead.add(suspect.who)
-        cases.setdefault(case, []).append(suspect)
-    return tuple(replace(found, suspects=tuple(some)) for case, some in cases.items() if (found := known[case]) is not None)
-
-
-def _leavings(suspect: Suspect, instants: Sequence[Records]) -> list[Records]:
-    """Return what is left of the records of each instant; an exchange is there at the last one, and nobody knows since when."""
-    if suspect.kind != "exchange":
-        return [without(suspect, records) for records in instants]
-    *before, last = instants
-    return [*(_without_both(suspect, records) for records in before), without(suspect, last)]
-
-
-def _without_both(suspect: Suspect, records: Records) -> Records:
-    """Return what is left without all that was read of either of two robots."""
-    for robot in suspect.who[1:]:
-        records = without(Suspect("body", None, robot), records)
-    return records
-
-
-def _replayed(
-    strict: Strict, before: Belief, suspect: Suspect, frames: Sequence[Frame], left: Sequence[Records]
-) -> Hypothesis | None:
-    """Return what is known after some instants without a suspect; None if that cannot be."""
-    belief = before
-    try:
-        for frame, records in zip(frames, left, strict=True):
-            if suspect.kind == "past":
-                belief = strict.wanders(belief, frame.time, frame.odometry, suspect.who[1])
-            elif frame.time != belief.time or frame.odometry is not None:
-                belief = strict.predicted(belief, frame.time, frame.odometry)
-            belief = (strict.updated if frame is frames[-1] else strict.briefly)(belief, records)
-    except Inconsistent:
-        return None
-    return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1]), agreed=belief.agrees)
+    def elsewhere(self, belief: Belief, robots: Collection[int]) -> Belief:
+        """Return the belief in which some robots are anywhere, with any heading."""
+        for robot in sorted(robots):
+            belief = self.anywhere(belief, robot)
+        return belief
 
 
 def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | None:
@@ -113,7 +54,7 @@ def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry |
         (suspect, *_) = each.suspects
         if not (is_early and suspect.kind == "past") or each.is_over:
             return None
-    return replace(each, belief=strict.wanders(each.belief, time, odometry, suspect.who[1]))
+    return replace(each, belief=strict.wander(each.belief, time, odometry, {suspect.who[1]}))
 
 
 def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool) -> list[Hypothesis]:
@@ -130,7 +71,7 @@ def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool
     for case, suspects in groups.items():
         belief = _merged(strict, each.belief, suspects[0], left[case], is_early=is_early)
         if belief is not None:
-            found.append(_further(each, belief, suspects, _counted(each.used, suspects[0], left[case])))
+            found.append(_further(each, belief, suspects, used_by(each.used, suspects[0], left[case])))
     return found
 
 
@@ -139,9 +80,34 @@ def _further(each: Hypothesis, belief: Belief, suspects: Sequence[Suspect], used
     return replace(each, suspects=tuple(suspects), belief=belief, used=used, agreed=each.agreed and belief.agrees)
 
 
-def _counted(used: Used, suspect: Suspect, left: Records) -> Used:
-    """Return who has said something that was merged as it was told, with what is left of one instant."""
-    return counted(used, _without_both(suspect, left) if suspect.kind == "exchange" else left)
+def used_by(used: Used, suspect: Suspect, left: Records) -> Used:
+    """Return who has said something that was merged, with what is left of one instant; exchanged markers are as they came."""
+    return counted(used, without(suspect, left) if suspect.kind == "exchange" else left)
+
+
+def as_told(each: Hypothesis) -> Used:
+    """Return what a hypothesis has used of bodies by the names that were told: not what it took for another's."""
+    (suspect, *_) = each.suspects
+    if each.is_over or suspect.kind != "exchange":
+        return each.used
+    return {who: count for who, count in each.used.items() if who[2] not in suspect.who[1:]}
+
+
+def right_again(strict: Strict, each: Hypothesis, suspects: Sequence[Suspect], records: Records) -> list[Hypothesis]:
+    """Return what is known if some of a hypothesis were wrong and are right by now; none if what they say now leaves nothing.
+
+    Args:
+        strict: What the strict filter does.
+        each: The hypothesis, after the measurements that it has not left out.
+        suspects: Who is right again; none, and nothing is.
+        records: All measurements of its time.
+    """
+    belief: Belief | None = each.belief
+    if suspects and signature(without(suspects[0], records)) != signature(records):
+        belief = _merged(strict, each.belief, suspects[0], records, is_early=False)
+    if belief is None or not suspects:
+        return []
+    return [replace(_further(each, belief, suspects, as_told(each)), is_over=True)]
 
 
 def _merged(strict: Strict, belief: Belief, suspect: Suspect, records: Records, *, is_early: bool) -> Belief | None:

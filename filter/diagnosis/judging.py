@@ -3,14 +3,17 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from itertools import chain
+from operator import and_
 
 import numpy as np
 
 from filter.arrays import Array
 from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import is_enough
-from filter.diagnosis.hypotheses import Strict, merged, moved_on, tried_again
+from filter.diagnosis.hypotheses import Strict, as_told, merged, moved_on, right_again
+from filter.diagnosis.replays import tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
 from filter.diagnosis.suspects import suspects_of
 from filter.diagnosis.told import Records, without_robots
@@ -36,7 +39,7 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
     since = diagnosis.recent[0].before.time
     frames = [frame for each in diagnosis.recent for frame in each.frames]
     suspects = suspects_of(conflict, frames, strict.robots, since)
-    living = tried_again(strict, diagnosis.recent, suspects)
+    living = tried_again(strict, diagnosis.recent, suspects, suspects_of(conflict, (), strict.robots, since))
     begun = replace(
         diagnosis,
         recent=(),
@@ -75,18 +78,12 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1)
     if not living:
         return more_is_wrong(strict, belief, heard, now, Wrong(diagnosis.suspects))
-    return judged(strict, now, innocent(diagnosis, living, belief.time))
+    return judged(strict, now, innocent(diagnosis, living, belief.time), heard)
 
 
 def _elsewhere(strict: Strict, belief: Belief, time: float) -> Belief:
     """Return the belief at a later time [s] if every robot can be anywhere."""
-    there = sorted(set(range(strict.robots)) - belief.guarantee.away)
-    for robot in there:
-        belief = strict.anywhere(belief, robot)
-    belief = strict.predicted(belief, time, None)
-    for robot in there:
-        belief = strict.anywhere(belief, robot)
-    return belief
+    return strict.wander(belief, time, None, set(range(strict.robots)) - belief.guarantee.away)
 
 
 def driven(before: Array | None, odometry: Odometry | None, robots: int) -> Array:
@@ -103,9 +100,11 @@ def innocent(before: Diagnosis, living: Sequence[Hypothesis], time: float) -> tu
     return tuple(Judged(time, suspect, "acquitted", "proof") for suspect in before.suspected if suspect not in left)
 
 
-def judged(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...], *, ends: bool = True) -> Belief:
+def judged(
+    strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...], heard: Records = (), *, ends: bool = True
+) -> Belief:
     """Return what is known in a doubt, or at the end of it if there is but one hypothesis left; by evidence, too."""
-    living, freed = _acquitted(diagnosis) if ends else (diagnosis.hypotheses, ())
+    living, freed = _acquitted(strict, diagnosis, heard) if ends else (diagnosis.hypotheses, ())
     time = living[0].belief.time
     events += tuple(Judged(time, suspect, "acquitted", "evidence") for suspect in freed)
     now = replace(diagnosis, hypotheses=living, by_proof=diagnosis.by_proof and not freed)
@@ -117,37 +116,41 @@ def judged(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...], *, e
     return replace(cover, guarantee=guarantee, events=events + fallbacks, diagnosis=now)
 
 
-def _acquitted(diagnosis: Diagnosis) -> tuple[tuple[Hypothesis, ...], tuple[Suspect, ...]]:
-    """Return the hypotheses, and who is acquitted, as another one has used what they say.
+def _acquitted(strict: Strict, diagnosis: Diagnosis, heard: Records) -> tuple[tuple[Hypothesis, ...], tuple[Suspect, ...]]:
+    """Return the hypotheses, and who is acquitted, as another one has used what they say: they are listened to from now on.
 
     They can have been wrong when the doubt began: so what is known in that case stays, as one hypothesis of all who are right
-    again.
+    again. Where nothing would be left nobody is acquitted, as that is evidence against all.
     """
     metres = np.zeros(0) if diagnosis.metres is None else diagnosis.metres
-    freed = [suspect for suspect in diagnosis.suspected if _agrees(suspect, diagnosis.hypotheses, metres)]
-    living = list(diagnosis.hypotheses)
-    for suspect in freed:
-        living = _freed(living, suspect)
-    return tuple(living), tuple(freed)
+    freed = tuple(suspect for suspect in diagnosis.suspected if _agrees(suspect, diagnosis.hypotheses, metres))
+    left, over = list[Hypothesis](), [each for each in diagnosis.hypotheses if each.is_over]
+    for each in diagnosis.hypotheses:
+        if not each.is_over:
+            right, wrong = ([one for one in each.suspects if (one in freed) == so] for so in (True, False))
+            over += right_again(strict, each, right, heard)
+            left += [replace(each, suspects=tuple(wrong))] if wrong else []
+    living = (*left, *_joined(over))
+    return (living, freed) if living else (diagnosis.hypotheses, ())
 
 
 def _agrees(suspect: Suspect, hypotheses: Sequence[Hypothesis], metres: Array) -> bool:
-    """Return whether some hypothesis has used for long enough what a suspect says, and has tolerated no lie meanwhile."""
+    """Return whether some hypothesis has used for long enough what a suspect says, and has tolerated no lie meanwhile.
+
+    One of an exchange may have used it as another's: then, too, whoever measured was right. No other exchange is.
+    """
     others = (each for each in hypotheses if each.agreed and (each.is_over or suspect not in each.suspects))
-    return any(is_enough(suspect, each.used, metres) for each in others)
+    return any(is_enough(suspect, as_told(each) if suspect.kind == "exchange" else each.used, metres) for each in others)
 
 
-def _freed(living: Sequence[Hypothesis], suspect: Suspect) -> list[Hypothesis]:
-    """Return hypotheses with a suspect among those who were wrong and are right again."""
-    home = next(each for each in living if not each.is_over and suspect in each.suspects)
-    over = next((each for each in living if each.is_over), None)
-    left = replace(home, suspects=tuple(one for one in home.suspects if one != suspect))
-    others = [each for each in living if each not in {home, over}] + ([left] if left.suspects else [])
-    if over is None:
-        return [*others, Hypothesis((suspect,), home.belief, home.used, is_over=True, agreed=home.agreed)]
-    used, around = Counter(over.used) & Counter(home.used), cover_of([over.belief, home.belief])
-    both = replace(over, suspects=(*over.suspects, suspect), belief=around, used=used, agreed=over.agreed and home.agreed)
-    return [*others, both]
+def _joined(over: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Return one hypothesis of all who are right again; none of none."""
+    if len(over) <= 1:
+        return tuple(over)
+    used = reduce(and_, (Counter(each.used) for each in over))
+    suspects = tuple(chain.from_iterable(each.suspects for each in over))
+    around, agreed = cover_of([each.belief for each in over]), all(each.agreed for each in over)
+    return (Hypothesis(suspects, around, used, is_over=True, agreed=agreed),)
 
 
 def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) -> Belief:

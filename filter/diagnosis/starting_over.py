@@ -1,6 +1,6 @@
 """Where more than one thing is wrong: robots start over from anywhere, and are not relied on until all has agreed for long."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -40,21 +40,13 @@ def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: D
         apart = without_ties(waiting, strict.robots, records)
         for heard in (apart, without_robots(some, apart), without_robots(waiting, records)):
             try:
-                found = strict.updated(_elsewhere(strict, belief, some), heard)
+                found = strict.updated(strict.elsewhere(belief.alone, some), heard)
             except Inconsistent:
                 continue
             guarantee = found.guarantee.suspended(belief.time, event.because(strict.words), some)
             now = Diagnosis(aside=diagnosis.aside, suspended=begun)
             return replace(found, guarantee=guarantee, events=(event, *found.events), diagnosis=now)
     raise Inconsistent(f"at {belief.time} s, without any measurement", ())
-
-
-def _elsewhere(strict: Strict, belief: Belief, robots: Collection[int]) -> Belief:
-    """Return a belief in which some robots are anywhere."""
-    belief = belief.alone
-    for robot in sorted(robots):
-        belief = strict.anywhere(belief, robot)
-    return belief
 
 
 def _begun(
@@ -80,7 +72,7 @@ def merged_apart(strict: Strict, belief: Belief, records: Records, diagnosis: Di
         return found, _further(diagnosis, heard) if found.agrees else _again(diagnosis, belief.time), heard
     except Inconsistent:
         heard = without_robots(robots, heard)
-    again = _elsewhere(strict, belief, robots)
+    again = strict.elsewhere(belief.alone, robots)
     return strict.updated(again, heard), _again(diagnosis, belief.time), heard
 
 

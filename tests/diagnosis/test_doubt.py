@@ -15,6 +15,7 @@ from experiments.broken.fault import KINDS
 from filter import Budget, Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
 from filter.diagnosis.judging import _acquitted
 from filter.diagnosis.quiet import MEMORY
+from filter.projection.stop import never
 from filter.sets.belief import Hypothesis
 
 ROUNDING = 1e-9  # [m]
@@ -203,7 +204,7 @@ def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays
     used |= {("sighting", 1, 5): 9, ("compass", 1, -1): 99}
     cases = [Hypothesis((one,), left, {}), Hypothesis((other,), right, {}), Hypothesis((third,), left, used)]
     now = replace(known, hypotheses=tuple(cases), metres=np.full(3, 9.0))
-    living, freed = _acquitted(now)
+    living, freed = _acquitted(going_on(episode.team)._strict(never), now, ())
     assert set(freed) == {one, other}
     assert [case.is_over for case in living] == [False, True]
     assert set(living[1].suspects) == {one, other}

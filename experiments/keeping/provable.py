@@ -48,8 +48,9 @@ class Provable(AbstractContextManager["Provable"]):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         with ExitStack() as held:
-            for each in (*self._keepers, self._log):
-                held.push(each)
+            held.enter_context(self._log)
+            for keeper in self._keepers:
+                held.enter_context(keeper)
         if kind is None:
             write_summary(self._folder, self._running.summary({"recording": None}, None))
 

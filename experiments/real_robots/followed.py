@@ -146,7 +146,7 @@ class Within:
         headings: (n) arcs that contain the headings: those of the carried ones, widened by the jitter.
     """
 
-    regions: tuple[Region, ...]
+    regions: Sequence[Region]
     headings: AngularIntervals
 
 

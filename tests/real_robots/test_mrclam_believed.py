@@ -18,7 +18,7 @@ from experiments.real_robots.data import read_run
 from experiments.real_robots.followed import believing
 from experiments.real_robots.frames import frames
 from experiments.real_robots.motion import Motions
-from filter import Judged, SetMembershipFilter, Step, Suspect, Team
+from filter import AngularIntervals, Judged, SetMembershipFilter, Step, Suspect, Team
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_a_barcode_that_is_misread_is_in_doubt_and_the_truth_stays_inside(folder
     assert sum("in doubt" in word for step in steps for word in step.events) == 1
     first = next(step for step in steps if step.rejected)
     assert first.frame.time == pytest.approx(float(time) - CLOCK - Bounds().measurement_delay, abs=0.01)
-    assert [source.robot for source in first.rejected] == [0]
+    assert [(source.robot, source.kind) for source in first.rejected] == [(0, "bearing")]
     assert first.guarantee.assuming
     for step in steps:
         truth = step.frame.truth
@@ -110,21 +110,23 @@ def test_a_barcode_that_is_misread_is_in_doubt_and_the_truth_stays_inside(folder
         assert all(region.outer.contains(place) for region, place in zip(step.belief.regions, truth.positions, strict=True))
 
 
-def test_a_guilty_sensor_is_put_aside_by_its_name(folder):
+def test_a_guilty_sensor_is_put_aside_by_its_name_and_headings_have_their_jitter(folder):
     (step, *_) = believed(folder)
     assert not step.put_aside
     guilty = Judged(1.0, Suspect("sensor", 1), "guilty", "proof")
     free = Judged(1.0, Suspect("sensor", 0), "acquitted", "proof")
     predicted = believed_at(folder)
     made = Step(step.frame, predicted, replace(predicted, events=(guilty, free)), 0.0)
-    made = followed._believed(step.frame, made, 0.0, Team(2))
+    made = followed._believed(step.frame, made, 0.1, Team(2))
     assert made.put_aside == ("sensor of r1",)
+    assert made.belief.headings.bound == pytest.approx(np.minimum(predicted.headings.bound + 0.1, np.pi))
 
 
 def believed_at(folder):
     scenario = frames(read_run(folder), (1, 2))
     sets = SetMembershipFilter(scenario.team)
-    return sets.start(0.0, [known.polygon() for known in scenario.initial])
+    headings = AngularIntervals(np.array([0.0, 3.1]), np.array([0.5, 0.2]))
+    return sets.start(0.0, [known.polygon() for known in scenario.initial], headings)
 
 
 @pytest.mark.parametrize("centre", [-3.1, 0.0, 3.1])

@@ -75,7 +75,7 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     living = tuple(chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses))
     now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1)
     if not living:
-        more = (*diagnosis.suspects, *_conflicts(strict, diagnosis.hypotheses, heard))
+        more: list[Suspect | Source] = [*diagnosis.suspects, *_conflicts(strict, diagnosis.hypotheses, heard)]
         return more_is_wrong(strict, belief, heard, now, Wrong(more))
     return judged(strict, now, innocent(diagnosis, living, belief.time))
 

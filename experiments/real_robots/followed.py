@@ -165,10 +165,10 @@ def believing(scenario: Scenario, carried: Carried, proofs: Path | None = None) 
         for frame, step in zip(frames, steps(sets, told), strict=True):
             if kept is not None:
                 kept.keep(step)
-            yield _believed(frame, step, carried.bounds.jitter, scenario.team)
+            yield believed(frame, step, carried.bounds.jitter, scenario.team)
 
 
-def _believed(frame: Frame, step: Step[Belief], jitter: float, team: Team) -> Followed:
+def believed(frame: Frame, step: Step[Belief], jitter: float, team: Team) -> Followed:
     """Return a step of the one filter; what is rejected is what was just measured and is in a conflict."""
     belief, events = step.belief, (*step.predicted.events, *step.belief.events)
     doubts = [event for event in events if isinstance(event, Doubted)]

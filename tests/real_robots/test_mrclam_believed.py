@@ -117,7 +117,7 @@ def test_a_guilty_sensor_is_put_aside_by_its_name_and_headings_have_their_jitter
     free = Judged(1.0, Suspect("sensor", 0), "acquitted", "proof")
     predicted = believed_at(folder)
     made = Step(step.frame, predicted, replace(predicted, events=(guilty, free)), 0.0)
-    made = followed._believed(step.frame, made, 0.1, Team(2))
+    made = followed.believed(step.frame, made, 0.1, Team(2))
     assert made.put_aside == ("sensor of r1",)
     assert made.belief.headings.bound == pytest.approx(np.minimum(predicted.headings.bound + 0.1, np.pi))
 

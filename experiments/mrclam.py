@@ -13,6 +13,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from shutil import rmtree
+from typing import Literal
 
 import numpy as np
 
@@ -21,6 +23,7 @@ from experiments.following.frozen import keep_within
 from experiments.following.metrics import Value, guarantee_summary
 from experiments.following.scenarios import Scenario
 from experiments.following.steps import steps, warmed_up
+from experiments.keeping.provable import CERTIFIED
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import RobotLog, Run, read_tables, run_of
 from experiments.real_robots.faults import faulty
@@ -62,6 +65,11 @@ class Options:
     or shifted_camera."""
     fault_robot: int = 1
     """Whose fault it is, by its number in the files."""
+    tolerate: Literal[0, 1] = 1
+    """1: the robust filter, right although one vote of a window is wrong. 0: the one filter for all teams, which believes
+    what is not proved wrong: smaller regions; what is proved wrong is in doubt until it is found out."""
+    certificates: bool = False
+    """With --tolerate 0, keep in certified/ what python -m experiments.prove proves again, as long as nothing is in doubt."""
     seed: int = 0
     """Where in its initial set each robot starts."""
     out: Path = Path("runs/mrclam")
@@ -85,10 +93,13 @@ def run(options: Options) -> int:
     declared = Bounds()
     bounds = declared.chained()  # the filter goes from frame to frame
     scenario, single = (scenario_of(options, data, robots, each) for each in (bounds, declared))
+    proofs = options.out / CERTIFIED
+    sets = team_filter(scenario, Motions(data, robots, bounds), options.tolerate, proofs if options.certificates else None)
     folder = output_folder(options.out)
+    rmtree(proofs, ignore_errors=True)  # of an earlier run
     name = f"mrclam_{data.name}_{options.fault}"
     following = Following(scenario, folder, name, repeated(data, robots, scenario.team))
-    following.run(team_filter(scenario, Motions(data, robots, bounds)), single)
+    following.run(sets, single)
     table = following.tally.table()
     found = summary_of(table, options.start, following.tally.resets)
     aside = following.tally.put_aside
@@ -153,6 +164,7 @@ def header_of(options: Options, data: Run, robots: Sequence[int]) -> dict[str, V
         "robot_numbers": options.robots,
         "start_s": options.start,
         "seed": options.seed,
+        "tolerate": options.tolerate,
         "fault": options.fault if options.fault == "none" else f"{options.fault}, robot {options.fault_robot}",
         **{f"dropped_{name}": count for name, count in asdict(data.dropped).items()},
     }

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from rich.table import Table
@@ -61,6 +62,8 @@ class Options:
     """How long at most [s]; to the end if not given."""
     workers: int | None = None
     """How many processes; one on each core if not given."""
+    tolerate: Literal[0, 1] = 1
+    """With which filter, as experiments.mrclam has it."""
     seed: int = 0
     """Where in its initial set each robot starts, and what chance decides of a change."""
     out: Path = Path("runs/mrclam_margins")
@@ -104,7 +107,8 @@ def judged(options: Options, name: str) -> dict[str, Value]:
         for each in (bounds, declared)
     )
     estimates = steps(kalman_filter(single.team), single)
-    for step, estimate in zip(team_filter(scenario, Motions(data, team, bounds)), estimates, strict=True):
+    sets = team_filter(scenario, Motions(data, team, bounds), options.tolerate)
+    for step, estimate in zip(sets, estimates, strict=True):
         tally.add(step, estimate.belief)
     figures = summary_of(tally.table(), options.start, tally.resets)
     return {key: figures[key] for key in KEPT} | {"put_aside": "; ".join(tally.put_aside)}

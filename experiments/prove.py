@@ -6,7 +6,8 @@ reads what `python -m experiments.moving_team --certificates`, or `experiments.f
 docs/soundness.md): the log, and for each of its frames the headings with what made them narrower, a closed polygon of each
 robot with the proof of every edge, and the regions as the recording, the trajectories and the summary show them. Each line is
 proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
-(`experiments.proof.chain`). What is on trust is said first.
+(`experiments.proof.chain`). What is on trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all
+this is in FOLDER/certified, and only that is proved.
 
 Exit code: 0 if everything is proved, 1 if something is not, or a file is damaged or is not there, 2 if there are no
 certificates at all, 3 if the verdict cannot be written.
@@ -29,11 +30,13 @@ from experiments.proof.recording.recorded import check_recording
 from experiments.proof.shown import Region, checked_region
 from experiments.proof.told import Told
 
+CERTIFIED = "certified"  # a folder in that of a run, for all that is to be proved
 LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz"
 SUMMARY, TRAJECTORY = "summary.json", "trajectories/{}_filter.tum"
 RECORDINGS = ("moving_team.rrd", "follow.rrd")  # the first, where a summary does not say which there is, or that there is none
 BAR = 40  # characters
 TRUST = "on trust: "
+BESIDE = f"{TRUST}the folder's own figures, beside {CERTIFIED}/"
 OTHER_ENTITIES = f"{TRUST}entities of the recording that are of no region"
 
 
@@ -126,9 +129,11 @@ def judged(folder: Path) -> tuple[int, str]:
     Raises:
         OSError: There are no certificates, or a file cannot be read.
     """
+    own = not (folder / LINES).exists() and (folder / CERTIFIED).is_dir()
+    folder = folder / CERTIFIED if own else folder
     (folder / LINES).stat()
     try:
-        counts = prove(folder, _show)
+        counts = prove(folder, _show) + Counter({BESIDE: int(own)})
     except (Broken, FileNotFoundError) as error:
         _show("\n")
         said = str(error) if isinstance(error, Broken) else f"{os.path.relpath(error.filename, folder)} is not there"

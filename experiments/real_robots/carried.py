@@ -7,16 +7,19 @@ chained records add up no jitter, which short ones would otherwise do (see `expe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from experiments.following.frozen import keep_within
+from experiments.following.scenarios import Scenario
+from experiments.logs import InitialSet
 from experiments.real_robots.bounds import DEGREE
 from experiments.real_robots.motion import Motions
 from filter import Array, Bearing, Floats, Frame, Measurement, Odometry, Range
 
 FAR = 1e7  # before and after all commands [s]
+ROUNDING = 1e-12  # by which sums of bounds are larger [rad]
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,17 @@ class Carried:
         records = tuple(self.bounds.seen(record) for record in frame.measurements)
         odometry = None if frame.odometry is None else self._odometry(frame.odometry.start, frame.odometry.time)
         return Frame(frame.time, odometry, records, frame.truth)
+
+    def scenario(self, scenario: Scenario) -> Scenario:
+        """Return a scenario with its frames made anew, and its initial headings as those of the carried ones."""
+        initial = tuple(InitialSet(known.vertices, self._heading(known), known.there) for known in scenario.initial)
+        return replace(scenario, initial=initial, frames=map(self.frame, scenario.frames))
+
+    def _heading(self, known: InitialSet) -> tuple[float, float] | None:
+        if known.heading is None:
+            return None
+        centre, bound = known.heading
+        return centre, min(bound + self.bounds.jitter + ROUNDING, np.pi)
 
     def moved(self, robot: int, start: Floats, time: Floats) -> Array:
         """Return (..., 5) what a robot was told from one time to another [s], numbers or arrays of one shape.

@@ -16,7 +16,8 @@ from filter.diagnosis.hypotheses import Strict, as_told, merged, moved_on, right
 from filter.diagnosis.replays import tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
 from filter.diagnosis.suspects import suspects_of
-from filter.diagnosis.told import Records, without_robots
+from filter.diagnosis.told import Records, signature, without, without_robots
+from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.records.odometry import Odometry
 from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial
@@ -77,8 +78,22 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     living = tuple(chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses))
     now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1)
     if not living:
-        return more_is_wrong(strict, belief, heard, now, Wrong(diagnosis.suspects))
+        more: list[Suspect | Source] = [*diagnosis.suspects, *_conflicts(strict, diagnosis.hypotheses, heard)]
+        return more_is_wrong(strict, belief, heard, now, Wrong(more))
     return judged(strict, now, innocent(diagnosis, living, belief.time), heard)
+
+
+def _conflicts(strict: Strict, hypotheses: Sequence[Hypothesis], records: Records) -> tuple[Source, ...]:
+    """Return what excludes one another in any case that there was: what else is wrong now is among it."""
+    found = dict[Source, None]()
+    for each in hypotheses:
+        cases = [records] if each.is_over else [without(suspect, records) for suspect in each.suspects]
+        for left in {signature(some): some for some in cases}.values():
+            try:
+                strict.updated(each.belief, left)
+            except Inconsistent as error:
+                found |= dict.fromkeys(strict.named(each.belief, left, error).sources)
+    return tuple(found)
 
 
 def _elsewhere(strict: Strict, belief: Belief, time: float) -> Belief:

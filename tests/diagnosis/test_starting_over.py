@@ -94,3 +94,28 @@ def test_nobody_in_force_relies_on_who_starts_over():
         assert after.regions[1].outer.area == pytest.approx(16.0)
         assert after.regions[0].outer.area < 10
         assert after.guarantee.in_force.tolist() == [False, True]
+
+
+def around(places, time, reach=0.3):
+    """Return a position for each of some robots, in a square around a place."""
+    return [Position.within(time, robot, Polygon.box(np.subtract(p, reach), np.add(p, reach))) for robot, p in places.items()]
+
+
+@pytest.mark.parametrize("second", [1, 2])
+def test_who_is_in_a_second_conflict_starts_over_and_the_others_stay_in_force(second):
+    team = Team(4, speed_limit=0.05, arena=[[-6.0, -6.0], [6.0, 6.0]])
+    filter_, truth = going_on(team), {robot: (3.0 * robot - 4.5, 0.0) for robot in range(4)}
+    belief = filter_.start(0.0, [Polygon.box(np.subtract(place, 1.0), np.add(place, 1.0)) for place in truth.values()])
+    for time in (1.0, 2.0, 3.0):
+        lies = {0: (-4.5, 4.0)} if time == 3.0 else {}
+        belief = filter_.update(filter_.predict(belief, time), around(truth | lies, time))
+    assert len(belief.diagnosis.hypotheses) > 1
+    belief = filter_.predict(belief, 4.0)
+    belief = filter_.update(belief, around(truth | {second: (4.5, -4.0)}, 4.0))
+    (event,) = [event for event in belief.events if isinstance(event, StartsOver)]
+    assert event.robots == (0, second)
+    assert {source.robot for source in event.conflict if not isinstance(source, Suspect)} == {second}
+    assert belief.guarantee.lapsed.tolist() == [robot in event.robots for robot in range(4)]
+    others = [robot for robot in range(4) if robot not in event.robots]
+    assert (belief.regions.outer.areas[others] < 1).all()
+    assert belief.regions.contains(np.array(list(truth.values())))[others].all()

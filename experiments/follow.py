@@ -213,7 +213,7 @@ class Following:
         options = self._options
         told: dict[str, Value] = {"replay": str(options.log)}
         if options.filter == "sets":
-            told |= {"solver": "exact", "policy": options.policy, "tolerated": options.tolerating.tolerate}
+            told |= {"solver": "exact", "policy": options.policy, "tolerated": str(options.tolerating.tolerance() or "")}
         own: dict[str, Value] = {"filter": options.filter, "formats": " ".join(dict.fromkeys(options.formats))}
         own |= {"every_s": every_of(options), "recording": RECORDING if options.recording or options.view else None}
         for keeper in self._told:
@@ -230,7 +230,7 @@ class Following:
         if self._beside and self._beside.failure:
             tell(f"the EKF ends early: {self._beside.failure}")
         tolerance = self._options.tolerating.tolerance()
-        if tolerance is not None:
+        if tolerance is not None and conflict is None and metrics.suspended is None:
             tell(f"the guarantee is in force {tolerance}")
         if metrics.suspended is not None:
             tell(f"the guarantee is {self._scenario.team.words(metrics.suspended)}")

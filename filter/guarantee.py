@@ -31,9 +31,9 @@ class Guarantee(InWords, Frozen):
     tolerating: str = ""
 
     @classmethod
-    def full(cls, robots: int, tolerating: str = "") -> Self:
-        """Return one that is in force for every robot, although something is wrong that is tolerated."""
-        return cls(np.full(robots, np.inf), ("",) * robots, tolerating=tolerating)
+    def full(cls, robots: int) -> Self:
+        """Return one that is in force for every robot."""
+        return cls(np.full(robots, np.inf), ("",) * robots)
 
     @property
     def lapsed(self) -> Mask:
@@ -81,6 +81,6 @@ class Guarantee(InWords, Frozen):
         for robot in np.flatnonzero(self.lapsed).tolist():
             told.setdefault(f"since {self.suspended_since[robot]:.3f} s, as {self.because[robot]}", []).append(words(robot))
         lapsed = [f"suspended for {', '.join(who)} {why}" for why, who in told.items()]
-        conditions = " and ".join(filter(None, (self.tolerating, self.assuming)))
+        conditions = " and besides ".join(filter(None, (self.tolerating, self.assuming)))
         held = [f"in force {conditions}".rstrip()] if conditions or not lapsed else []
         return "; ".join(lapsed + held)

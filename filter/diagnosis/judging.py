@@ -19,6 +19,7 @@ from filter.diagnosis.suspects import suspects_of
 from filter.diagnosis.told import Records, signature, without, without_robots
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
+from filter.projection.fallback import Fallback
 from filter.records.odometry import Odometry
 from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial
 from filter.sets.suspect import Doubted, Judged, Passed, Suspect
@@ -126,7 +127,7 @@ def judged(
     if ends and len(living) == 1:
         return _settled(strict, now, events)
     cover = cover_of([each.belief for each in living])
-    fallbacks = tuple(dict.fromkeys(event for each in living for event in each.belief.events))
+    fallbacks = tuple(dict.fromkeys(event for each in living for event in each.belief.events if isinstance(event, Fallback)))
     guarantee = cover.guarantee.under(assumption(strict, now.since, now.suspects, now.aside))
     return replace(cover, guarantee=guarantee, events=events + fallbacks, diagnosis=now)
 

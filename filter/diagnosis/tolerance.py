@@ -25,7 +25,11 @@ CLASSES: dict[str, tuple[SuspectKind, str]] = {
     "cameras": ("sensor", "sensor of a robot"),
     "compasses": ("compass", "compass of a robot"),
 }
-LIES = {"any": "is wrong", "long": "measures ranges that are too long"}
+# What one of them does, and what several do.
+LIES = {
+    "any": ("is wrong", "are wrong"),
+    "long": ("measures ranges that are too long", "measure ranges that are too long"),
+}
 
 
 def _classes(value: object) -> tuple[SuspectClass, ...]:
@@ -38,7 +42,7 @@ def _classes(value: object) -> tuple[SuspectClass, ...]:
 
 
 def _lies(value: object) -> Lies:
-    if value not in get_args(Lies):
+    if not isinstance(value, str) or value not in get_args(Lies):
         raise InvalidInput(f"lies among {', '.join(get_args(Lies))}", shown(value))
     return value  # type: ignore[return-value]
 
@@ -49,7 +53,8 @@ class Tolerance(Frozen):
 
     What each class survives: "pairs" a robot that takes one body for another; "bodies" that, and a body that is not where it
     should be, whoever sees it; "cameras" a biased sensor, and that of no other robot; "compasses" a compass. Two markers that
-    are exchanged are two bodies.
+    are exchanged are two bodies. Two that one robot takes for each other are two pairs, as is a path between mates that both
+    measure.
 
     Attributes:
         q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window.
@@ -63,9 +68,14 @@ class Tolerance(Frozen):
     suspects: tuple[SuspectClass, ...] | SuspectClass = field(default="pairs", metadata={"check": _classes})
     lies: Lies = field(default="any", metadata={"check": _lies})
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.lies == "long" and self.suspects == ("compasses",):
+            raise InvalidInput("suspects that measure ranges, where these are too long", "compasses")
+
     def __str__(self) -> str:
         one = " or ".join(CLASSES[each][1] for each in self.suspects)
-        return f"if at most {self.q} of these {LIES[self.lies]} within any {self.window:g} s: {one}"
+        return f"if at most {self.q} of these {LIES[self.lies][self.q > 1]} within any {self.window:g} s: {one}"
 
     def heard(self, instants: Iterable[Records], since: float) -> tuple[Suspect, ...]:
         """Return who speaks in the records of some instants and may lie, since a time [s], in an order of their own."""

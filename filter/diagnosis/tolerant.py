@@ -7,10 +7,11 @@ from filter.arrays import Array, Integers, checked, instance
 from filter.diagnosis.cover import cover_of, hulls_of
 from filter.diagnosis.tolerance import Tolerance
 from filter.diagnosis.united import united
-from filter.errors import Inconsistent
+from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
+from filter.guarantee import Guarantee
 from filter.projection.stop import IsOver
 from filter.records.frame import Frame
 from filter.records.measurements import Measurement
@@ -34,7 +35,8 @@ class TolerantFilter(StrictFilter):
     def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
         belief = super().start(time, positions, headings)
-        return belief if self.tolerance is None else self._under(belief, self.tolerance)
+        told = "" if self.tolerance is None else str(self.tolerance)
+        return replace(belief, guarantee=replace(belief.guarantee, tolerating=told))
 
     def placed(self, belief: Belief, robot: int, polygon: Polygon | None, heading: AngularIntervals | None = None) -> Belief:
         """Return the belief in which a robot is somewhere now, as that of the strict filter is, in each case that can be."""
@@ -54,6 +56,7 @@ class TolerantFilter(StrictFilter):
 
     def _predicted(self, belief: Belief, motion: Motion, arena: Array) -> Belief:
         """Return the belief after a motion in each case that can be; where the window ends, these cases are one before."""
+        self._check(belief)
         strictly, begun = super()._predicted, self._begun_for(belief, motion[0])
         if begun.alternatives is None:
             return strictly(begun, motion, arena)
@@ -63,18 +66,22 @@ class TolerantFilter(StrictFilter):
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         """Merge and project in each case that can be, those among them whose suspects are heard for the first time."""
+        self._check(belief)
         if self.tolerance is None:
             return super()._updated(belief, measurements, is_over)
         strictly, believed = super()._updated, self.tolerance.believed
         born = self._born(belief, [measurements])
         living = _living(born, lambda one: strictly(one.belief, believed(one.lying, measurements), is_over))
-        return self._covered(living, self.tolerance)
+        return self._covered(living, belief.guarantee)
 
     def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
         """Return the belief after several instants at once, in each case that can be; None where a step for each says more."""
+        self._check(belief)
         if self.tolerance is None:
             return super()._together(belief, frames)
-        if frames[-1].time - belief.time > self.tolerance.window:
+        for frame in frames:  # what is not believed of them has to be right in form, too
+            self.team.checked(frame.time, frame.measurements, belief.guarantee.away)
+        if frames[-1].time - belief.time >= self.tolerance.window:
             return None
         begun = self._begun_for(belief, frames[-1].time)
         born, found = self._born(begun, [tuple(frame.measurements) for frame in frames]), list[Alternative]()
@@ -86,7 +93,7 @@ class TolerantFilter(StrictFilter):
             if together is None:
                 return None
             found.append(replace(one, belief=together))
-        return self._covered(replace(born, each=tuple(found)), self.tolerance)
+        return self._covered(replace(born, each=tuple(found)), begun.guarantee)
 
     def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
         """Return whether what holds in every case, after a motion, is proved to exclude measurements."""
@@ -95,7 +102,7 @@ class TolerantFilter(StrictFilter):
     def _begun_for(self, belief: Belief, time: float) -> Belief:
         """Return a belief that can be taken along to a time [s]: with one case alone where the window ends before."""
         known = belief.alternatives
-        if known is None or (self.tolerance is not None and time - known.since <= self.tolerance.window):
+        if known is None or (self.tolerance is not None and time - known.since < self.tolerance.window):
             return belief
         together = united([one.belief for one in known.each], super().relative, self.slices)
         return replace(together, guarantee=belief.guarantee)
@@ -112,8 +119,8 @@ class TolerantFilter(StrictFilter):
                 heard.add(suspect)
         return replace(known, each=tuple(each), heard=frozenset(heard))
 
-    def _covered(self, living: Alternatives, tolerance: Tolerance) -> Belief:
-        """Return what holds in all cases, and tell if it is proved that somebody lies."""
+    def _covered(self, living: Alternatives, guarantee: Guarantee) -> Belief:
+        """Return what holds in all cases, under the guarantee from before, and tell if it is proved that somebody lies."""
         events = tuple(dict.fromkeys(event for one in living.each for event in one.belief.events))
         first, *others = living.each
         around = cover_of([one.belief for one in living.each]) if others else replace(first.belief, events=())
@@ -121,7 +128,7 @@ class TolerantFilter(StrictFilter):
         if () not in living.cases and living.cases != living.told:
             events = (Tolerated(around.time, living.since, living.cases), *events)
             living = replace(living, told=living.cases)
-        return self._under(replace(around, events=events, alternatives=living), tolerance)
+        return replace(around, events=events, alternatives=living, guarantee=guarantee)
 
     def _in_each(self, belief: Belief, change: Callable[[Belief], Belief]) -> Belief:
         """Return a belief after a change, in each case that can be."""
@@ -131,8 +138,11 @@ class TolerantFilter(StrictFilter):
         each = tuple(replace(one, belief=change(one.belief)) for one in known.each)
         return replace(change(replace(belief, alternatives=None)), alternatives=replace(known, each=each))
 
-    def _under(self, belief: Belief, tolerance: Tolerance) -> Belief:
-        return replace(belief, guarantee=replace(belief.guarantee, tolerating=str(tolerance)))
+    def _check(self, belief: Belief) -> None:
+        """Raise `InvalidInput` for a belief that holds under another tolerance: nothing could be said of it under this one."""
+        told, own = belief.guarantee.tolerating, "" if self.tolerance is None else str(self.tolerance)
+        if told != own:
+            raise InvalidInput(f"a belief that holds {own or 'without a tolerance'}", told or "one without a tolerance")
 
 
 def _living(known: Alternatives, step: Callable[[Alternative], Belief]) -> Alternatives:

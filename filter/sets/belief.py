@@ -56,7 +56,8 @@ class Belief:
             from. Where an update took several rounds, one after the other. None after a prediction.
         moved: What a prediction was made from; None at the start and after an update.
         slices: The poses of robots whose headings are wide, position and heading together.
-        alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not.
+        alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not, at the
+            start, and after a window's end. What is known of pairs, poses and inner polygons is in these beliefs.
         diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
     """
 
@@ -86,7 +87,9 @@ class Belief:
 
     @property
     def agrees(self) -> bool:
-        """Whether it can be that nobody lies of those whose lies are tolerated."""
+        """Whether it can be that nobody lies of those whose lies are tolerated, in each case that is in doubt."""
+        if self.diagnosis and self.diagnosis.hypotheses:
+            return all(each.belief.agrees for each in self.diagnosis.hypotheses)
         return self.alternatives is None or () in self.alternatives.cases
 
     @property

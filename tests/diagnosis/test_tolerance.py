@@ -17,6 +17,7 @@ from filter import (
     Inconsistent,
     InvalidInput,
     Polygon,
+    Position,
     Range,
     SetMembershipFilter,
     Suspect,
@@ -203,23 +204,35 @@ def test_it_says_what_it_tolerates_and_who_can_have_lied():
     belief = filter_.start(0.0, episode.positions, episode.headings)
     words = "in force if at most 1 of these is wrong within any 60 s: what a robot takes for a target"
     assert str(belief.guarantee) == words
-    liar = suspects_in(episode.frames[5:6])[0]
+    liar, told = suspects_in(episode.frames[5:6])[0], []
     for k, frame in enumerate(episode.frames[:10]):
         belief = stepped(filter_, belief, lied(frame, liar, rng, size=4.0) if k >= 5 else frame)
-        told = [event for event in belief.events if isinstance(event, Tolerated)]
-        assert bool(told) == (belief.suspects != () and belief.alternatives.told != ()) or not told
+        told += [event for event in belief.events if isinstance(event, Tolerated)]
         assert str(belief.guarantee) == words
         assert belief.agrees == (not belief.suspects)
     assert liar in {replace(each, since=0.0) for each in belief.suspects}
-    assert "tolerated" in str(Tolerated(1.0, 0.0, ((liar,),)))
+    assert told
+    assert told[-1].cases == belief.alternatives.cases
+    assert "tolerated" in str(told[0])
 
 
 def test_nothing_is_kept_in_a_tolerance_that_is_wrong():
-    for wrong in ({"q": 0}, {"window": 0.0}, {"suspects": "markers"}, {"suspects": ()}, {"lies": "short"}, {"suspects": 3}):
+    for wrong in (
+        {"q": 0},
+        {"window": 0.0},
+        {"suspects": "markers"},
+        {"suspects": ()},
+        {"lies": "short"},
+        {"suspects": 3},
+        {"lies": np.zeros(2)},
+    ):
         with pytest.raises(InvalidInput):
             Tolerance(**wrong)
     with pytest.raises(InvalidInput):
         SetMembershipFilter(Team(1), tolerance=1)
+    with pytest.raises(InvalidInput, match="suspects that measure ranges"):
+        Tolerance(suspects="compasses", lies="long")
+    assert str(Tolerance(q=2)).startswith("if at most 2 of these are wrong within any 5 s")
     assert Tolerance(suspects=("compasses", "pairs")).suspects == ("pairs", "compasses")
 
 
@@ -275,6 +288,60 @@ def test_a_robot_that_is_placed_is_so_in_each_case():
     assert all(one.belief.regions[1].outer.area == pytest.approx(0.36) for one in belief.alternatives.each)
     later = stepped(filter_, belief, Frame(belief.time, None, episode.frames[2].measurements))
     assert not outside(later, truth).any()
+
+
+def test_a_suspended_guarantee_stays_so():
+    """Two robots are told to be in two places each: more is wrong than is tolerated, and all start over."""
+    team = Team(2, [[4.0, 0.0]], arena=[[-9, -9], [9, 9]])
+    filter_ = going_on(team, tolerance=Tolerance())
+    belief = filter_.start(0.0, [Polygon.box([-9, -9], [9, 9]), Polygon.box([-2, -2], [2, 2])])
+    belief = filter_.update(belief, [Position(0.0, robot, [1.0, -1.0], 0.0, [0.5, -1.5]) for robot in (0, 1)])
+    assert belief.guarantee.lapsed.all()
+    for time in (0.0, 1.0, 7.0):
+        belief = stepped(filter_, belief, Frame(time, None, ()))
+        assert belief.guarantee.lapsed.all()
+
+
+def test_what_holds_under_another_tolerance_is_refused():
+    team = Team(1, [[3.0, 0.0]])
+    filters = [SetMembershipFilter(team), *(tolerant(team, lies=lies, q=q) for lies in ("any", "long") for q in (1, 2))]
+    for one in filters:
+        for other in filters:
+            belief = one.start(0.0, [Polygon.box([-1, -1], [1, 1])])
+            if one is other:
+                assert other.predict(other.update(belief, []), 1.0).guarantee.in_force.all()
+                continue
+            with pytest.raises(InvalidInput, match="a belief that holds"):
+                other.update(belief, [])
+            with pytest.raises(InvalidInput, match="a belief that holds"):
+                other.predict(belief, 1.0)
+
+
+def at(time, frame):
+    """Return what is measured at a frame, as of another time."""
+    return tuple(replace(each, time=time) for each in frame.measurements)
+
+
+def test_lies_of_two_that_are_a_window_apart_are_in_two_windows():
+    rng, scene = np.random.default_rng(2), alone(np.random.default_rng(2), 6, 0.1)
+    filter_ = tolerant(scene.team, window=5.0)
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    for time in (0.6000000000000001, 3.0, 5.6000000000000005, 7.0):
+        frame = replace(
+            scene.frames[0], time=time, measurements=tuple(replace(each, time=time) for each in scene.frames[0].measurements)
+        )
+        who = {0.6000000000000001: 2, 5.6000000000000005: 5}.get(time)
+        belief = stepped(filter_, belief, lied(frame, Suspect("sighting", 0, who), rng, size=3.0) if who else frame)
+        assert not outside(belief, frame.truth).any()
+
+
+def test_what_is_not_believed_has_to_be_right_in_form_when_several_come_at_once():
+    scene = alone(np.random.default_rng(3), 5, 0.1)
+    filter_ = tolerant(scene.team, "cameras")
+    belief = filter_.start(0.0, scene.initial, scene.headings)
+    wrong = Range(1.0, 0, 77, 1.0, 0.1, 0.0)
+    with pytest.raises(InvalidInput):
+        filter_.advance(belief, [Frame(1.0, None, (wrong,)), Frame(1.5, None, ())])
 
 
 def test_without_a_tolerance_nothing_is_kept():

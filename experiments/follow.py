@@ -36,7 +36,7 @@ from filter import ExtendedKalmanFilter, Filter, InvalidInput, Policy, RobustFil
 LOG, RECORDING = "log.jsonl", "follow.rrd"
 EVERY = 0.1  # so long a time is one step, where nothing needs each stamp [s]
 # What a run leaves in its folder; what is there from an earlier one would be taken for this one's.
-PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz")
+PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz", "alternatives.jsonl.gz")
 LEFT = (ALARMS, EPISODES, *PROOFS, RECORDING, *FILES.values())
 
 

@@ -7,13 +7,14 @@ measurement in the log. Boxes likewise, and headings: from those before, turned 
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from copy import copy
 from fractions import Fraction
 from math import pi
 
 from experiments.proof.cases.cells import check_cases
 from experiments.proof.cases.slices import Slice, check_roots, slices_in
-from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner, unit_normal
-from experiments.proof.exact import Arc, Vector, arc_around, in_common
+from experiments.proof.edges import SIDES, WORLD, Edges, add, all_edges, plane, through_corner, unit_normal
+from experiments.proof.exact import Arc, Vector, arc_around, are_apart, in_common
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.line import check
@@ -22,7 +23,6 @@ from experiments.proof.motion import Displaced, turned
 from experiments.proof.reading import VERSION, Broken, Record, exact, located, shown
 from experiments.proof.sides import Sides, looking
 
-MOST = 1000  # edges of one robot or pair in a step: any two of them may prove something
 Placed = tuple[str, Record]  # a record and its place in words
 
 
@@ -31,17 +31,18 @@ class Chain:
 
     Attributes:
         links: How many links of each kind there were, all of them proved.
-        lines: How many certificates there were.
+        is_empty: Whether it was proved in the last step that nothing is possible.
         shown: What the last step's certificates have proved of each robot and pair, after all that its headings rest on.
     """
 
     def __init__(self, log: Log) -> None:
         self.links: Counter[str] = Counter()
-        self.lines = 0
+        self.is_empty = False
         self.shown: Edges = {}
         self._log = log
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
         self._placed = [0] * log.robots  # at which frame each robot was put somewhere: nothing from before counts
+        self._ended: list[tuple[list[int], dict[int, list[Slice]]]] = []  # that, and slices, when each frame began
         self._history: list[list[Displaced]] = []  # by frames, as are the next two
         self._proved: list[Edges] = []
         self._instants: list[Instant] = []
@@ -50,6 +51,28 @@ class Chain:
         self._slices: dict[int, list[Slice]] = {}  # of robots, as proved so far
         self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
         self._told: tuple[list[Arc], list[Arc]] = [], []  # these, and what is left of them by what `_looking` takes
+
+    @property
+    def frames(self) -> int:
+        """How many frames there were."""
+        return len(self._history)
+
+    def branch(self, frames: int) -> "Chain":
+        """Return one that goes on after so many frames; of what came later it knows nothing. Links are counted together."""
+        other, is_now = copy(self), frames == self.frames
+        other._history, other._proved, other._instants = self._history[:frames], self._proved[:frames], self._instants[:frames]
+        if not is_now:
+            other._placed, other._slices = self._ended[frames]
+        other._ended, other._grown = self._ended[:frames], dict(self._grown) if is_now else {}
+        return other
+
+    def begun(self, headings: Sequence[Arc], edges: Edges) -> "Chain":
+        """Return one of which at the last frame that is known, and nothing else."""
+        other, now = self.branch(self.frames), self.frames - 1
+        nothing = Frame(self._instants[now].frame.time)
+        other._instants[now] = Instant(self._log, nothing, headings, Sides(self._log.robots, self._log.landmarks), edges)
+        other._proved[now], other.shown, other._slices, other._placed = edges, edges, {}, [now] * self._log.robots
+        return other
 
     @property
     def headings(self) -> Sequence[Arc]:
@@ -66,14 +89,16 @@ class Chain:
         """What has been proved of each robot and pair in this step so far."""
         return self._proved[-1]
 
-    def check(self, headings: Sequence[Placed], lines: Sequence[Placed]) -> None:
+    def check(self, headings: Sequence[Placed], lines: Sequence[Placed], frame: Frame | None = None) -> None:
         """Check the next step: its headings, as often as they became narrower, and then its certificates.
+
+        If a frame is given, that is what was heard then, in place of the log's.
 
         Raises:
             Broken: Something does not follow from anything before it.
         """
         with located(f"step {len(self._history)}"):
-            frame = self._begin()
+            frame = self._begin(frame or self._log.frames[self.frames])
         for place, record in headings:
             with located(place):
                 for line in record["lines"]:
@@ -90,7 +115,7 @@ class Chain:
         Raises:
             Broken: Something of it is not proved.
         """
-        self.lines += 1
+        self.links["certificates"] += 1
         if float(exact(line["t"])) != self._instants[-1].frame.time:
             raise Broken("a line of another time than its frame's")
         if line["version"] != VERSION:
@@ -99,7 +124,9 @@ class Chain:
         self._check_boxes(line)
         for row, source in zip(line["rows"], line["sources"], strict=True):
             self._check_row(row, source)
-        if proved is None:
+        if "empty" in line:
+            self.is_empty = True
+        elif proved is None:
             self._case_by_case(line)
         elif "side" in line:
             self.sides.add(line, proved, self._looking() if "sensors" in line else ())
@@ -116,15 +143,20 @@ class Chain:
         robot = line["robot"]
         if roots := slices_in(line, "roots"):
             check_roots(roots, self._slices.get(robot, ()))
-        self._looks[robot] = in_common(self._looks[robot], [check_cases(line, self._instants[-1])])
+        left = check_cases(line, self._instants[-1])
+        if left is None or are_apart(self._looks[robot], left):
+            self.is_empty = True
+            return
+        self._looks[robot] = in_common(self._looks[robot], [left])
         for claim in line["claims"]:
-            _add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
+            add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
         self._slices[robot] = slices_in(line, "slices")
         self.links["robots, case by case"] += 1
 
-    def _begin(self) -> Frame:
-        log, number = self._log, len(self._history)
-        frame = log.frames[number]
+    def _begin(self, frame: Frame) -> Frame:
+        log, number = self._log, self.frames
+        self._ended.append(([*self._placed], self._slices))
+        self._placed, self.is_empty = [*self._placed], False
         before = self.headings if number else [start.heading for start in log.starts]
         driven = list(zip(frame.pieces, before, strict=True))
         self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
@@ -142,7 +174,12 @@ class Chain:
         return frame
 
     def _narrow(self, frame: Frame, record: Record) -> None:
-        """Check the headings of one record against all that is known so far, and take them over."""
+        """Check the headings of one record against all that is known so far, and take them over; or that there are none."""
+        if "empty" in record:
+            self.is_empty = self.is_empty or self.sides.are_torn(frame, self._looks)
+            if not self.is_empty:
+                raise Broken("headings that agree, where none is said to be left")
+            return
         claimed = [
             arc_around(float(exact(centre)), float(exact(bound)))
             for centre, bound in zip(record["centre"], record["bound"], strict=True)
@@ -171,7 +208,7 @@ class Chain:
     def _claim(self, line: Record) -> None:
         pair, normal, offset = (line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"])
         for edges in (self.edges, self.shown):
-            _add(edges, pair, normal, offset)
+            add(edges, pair, normal, offset)
 
     def _support(self, number: int, body: int, normal: Vector) -> Fraction:
         motions = self._history[number]
@@ -196,7 +233,7 @@ class Chain:
                 offset = sign * exact(line[side][text][k])
                 if offset < needed:
                     raise Broken(f"the {side} side of robot {robot}'s box lies {float(needed - offset):.3g} m too far inside")
-                _add(self.edges, (WORLD, robot), normal, offset)
+                add(self.edges, (WORLD, robot), normal, offset)
             self.links["boxes, from edges, motion and the arena"] += 1
 
     def _begun(self, robot: int, normal: Vector) -> Fraction | None:
@@ -262,13 +299,6 @@ class Chain:
             total += self._support(later, j, normal) + (self._support(later, i, back) if i >= 0 else 0)
         self._grown[row] = len(self._history) - 1, total
         return total
-
-
-def _add(edges: Edges, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
-    known = edges.setdefault(pair, {})
-    known[normal] = min(offset, known.get(normal, offset))
-    if len(known) > MOST:
-        raise Broken(f"more than {MOST} edges of {pair} in one step")
 
 
 def _degrees(arc: Arc) -> str:

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 from experiments.proof.arms import Two, beyond
 from experiments.proof.edges import WORLD, plane
-from experiments.proof.exact import Arc, Vector, half_circle, in_common
+from experiments.proof.exact import Arc, Vector, are_apart, half_circle, in_common
 from experiments.proof.given.frame import MATES, Frame
 from experiments.proof.given.sensors import CENTRE, Mounts
 from experiments.proof.reading import Broken, Record, exact, shown
@@ -62,6 +62,13 @@ class Sides:
         """Return how robots that look so can look by compasses, bearings, and what they see of each other's headings."""
         told = [[*compasses(frame, robot), *self.headings(frame, robot)] for robot in range(len(looks))]
         return tied(frame, [in_common(*each) for each in zip(looks, told, strict=True)])
+
+    def are_torn(self, frame: Frame, looks: Sequence[Arc]) -> bool:
+        """Return whether robots that look so have, for sure, one whose heading nothing is left of by all of that."""
+        left = self.looking(frame, looks)
+        told = [(robot, [*compasses(frame, robot), *self.headings(frame, robot)]) for robot in range(len(left))]
+        told += [(mate, [left[robot].widened(value, bound)]) for robot, mate, value, bound in _ties(frame)]
+        return any(are_apart(left[robot], arc) for robot, arcs in told for arc in arcs)
 
     def headings(self, frame: Frame, robot: int) -> list[Arc]:
         """Return where a robot can look, by each of its bearings to a target whose direction is known."""

@@ -7,7 +7,7 @@ from filter.diagnosis.told import Records, Who, counted, signature, without
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Hypothesis, Recent, Used
+from filter.sets.belief import Belief, Hypothesis, Recent, Tried, Used
 from filter.sets.suspect import Suspect
 
 TRIED_FIRST = (
@@ -18,6 +18,7 @@ TRIED_FIRST = (
     "exchange",
     "sighting",
 )  # who leaves out more comes first
+Found = tuple[Hypothesis | None, Tried]  # a hypothesis, None if it cannot be, and what came of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +51,15 @@ class Strict:
         return self.anywhere(self.predicted(self.anywhere(belief, robot), time, others), robot)
 
 
-def tried_again(strict: Strict, recent: Sequence[Recent], suspects: Sequence[Suspect]) -> tuple[Hypothesis, ...]:
-    """Return what is known after the last instants if one of the suspects is wrong, in each case that is not proved empty.
+def tried_again(strict: Strict, recent: Sequence[Recent], suspects: Sequence[Suspect]) -> tuple[Found, ...]:
+    """Return what is known after the last instants if one of the suspects is wrong, in each case, and what came of it.
 
     Algorithm:
         Whoever leaves out less than somebody without whom there is a contradiction leaves one, too: a sighting less than its
         sensor and its body. So these come first. Those who leave out the same are one hypothesis.
     """
     frames = [frame for each in recent for frame in each.frames]
-    cases, known = dict[object, list[Suspect]](), dict[object, Hypothesis | None]()
+    cases, known = dict[object, list[Suspect]](), dict[object, Found]()
     dead = set[Who]()
     for suspect in sorted(suspects, key=lambda each: (TRIED_FIRST.index(each.kind), each.who)):
         if suspect.kind == "sighting" and dead & {("sensor", suspect.who[1], -1), ("body", -1, suspect.who[2])}:
@@ -67,10 +68,14 @@ def tried_again(strict: Strict, recent: Sequence[Recent], suspects: Sequence[Sus
         case = suspect.who if suspect.kind == "past" else tuple(map(signature, left))
         if case not in known:
             known[case] = _replayed(strict, recent[0].before, suspect, frames, left)
-        if known[case] is None:
+        if known[case][0] is None:
             dead.add(suspect.who)
         cases.setdefault(case, []).append(suspect)
-    return tuple(replace(found, suspects=tuple(some)) for case, some in cases.items() if (found := known[case]) is not None)
+    return tuple(_named(str(number), tuple(some), *known[case]) for number, (case, some) in enumerate(cases.items(), 1))
+
+
+def _named(name: str, suspects: tuple[Suspect, ...], found: Hypothesis | None, tried: Tried) -> Found:
+    return found and replace(found, name=name, suspects=suspects), replace(tried, name=name, suspects=suspects)
 
 
 def _leavings(suspect: Suspect, instants: Sequence[Records]) -> list[Records]:
@@ -88,49 +93,45 @@ def _without_both(suspect: Suspect, records: Records) -> Records:
     return records
 
 
-def _replayed(
-    strict: Strict, before: Belief, suspect: Suspect, frames: Sequence[Frame], left: Sequence[Records]
-) -> Hypothesis | None:
-    """Return what is known after some instants without a suspect; None if that cannot be."""
-    belief = before
-    try:
-        for frame, records in zip(frames, left, strict=True):
+def _replayed(strict: Strict, before: Belief, suspect: Suspect, frames: Sequence[Frame], left: Sequence[Records]) -> Found:
+    """Return what is known after some instants without a suspect, if that can be, and what came of it."""
+    belief, found, robot = before, list[Belief](), suspect.who[1]
+    for frame, records in zip(frames, left, strict=True):
+        try:
             if suspect.kind == "past":
-                belief = strict.wanders(belief, frame.time, frame.odometry, suspect.who[1])
+                belief = strict.wanders(belief, frame.time, frame.odometry, robot)
             elif frame.time != belief.time or frame.odometry is not None:
                 belief = strict.predicted(belief, frame.time, frame.odometry)
             belief = (strict.updated if frame is frames[-1] else strict.briefly)(belief, records)
-    except Inconsistent:
-        return None
-    return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1]))
+        except Inconsistent as error:
+            return None, Tried("", "", (suspect,), tuple(found), end=(frame.time, error.evidence))
+        found.append(belief)
+    return Hypothesis((suspect,), belief, _counted({}, suspect, left[-1])), Tried("", "", (suspect,), tuple(found))
 
 
-def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | None:
-    """Return a hypothesis at a later time [s]; None if that cannot be."""
+def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | Tried:
+    """Return a hypothesis at a later time [s]; why not, if that cannot be."""
+    (suspect, *_), each = each.suspects, replace(each, unites=(), anew=frozenset())
     try:
         return replace(each, belief=strict.predicted(each.belief, time, odometry))
-    except Inconsistent:
-        (suspect, *_) = each.suspects
+    except Inconsistent as error:
         if not (is_early and suspect.kind == "past") or each.is_over:
-            return None
-    return replace(each, belief=strict.wanders(each.belief, time, odometry, suspect.who[1]))
+            return Tried(each.name, each.name, each.suspects, (), end=(time, error.evidence))
+    robot = suspect.who[1]
+    return replace(each, belief=strict.wanders(each.belief, time, odometry, robot), anew=frozenset({robot}))
 
 
-def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool) -> list[Hypothesis]:
-    """Return a hypothesis after measurements of its time: one for each of its suspects that leave out others; none for none."""
+def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool) -> list[Found]:
+    """Return a hypothesis after measurements and what came of it, for each of its suspects that leave out others."""
     groups, left = dict[object, list[Suspect]](), dict[object, Records]()
-    if each.is_over:
-        belief = _merged(strict, each.belief, each.suspects[0], records, is_early=False)
-        return [] if belief is None else [replace(each, belief=belief, used=counted(each.used, records))]
     for suspect in each.suspects:
-        some = without(suspect, records)
+        some = records if each.is_over else without(suspect, records)
         groups.setdefault(signature(some), []).append(suspect)
         left[signature(some)] = some
-    found = list[Hypothesis]()
-    for case, suspects in groups.items():
-        belief = _merged(strict, each.belief, suspects[0], left[case], is_early=is_early)
-        if belief is not None:
-            found.append(Hypothesis(tuple(suspects), belief, _counted(each.used, suspects[0], left[case])))
+    found = list[Found]()
+    for number, (case, suspects) in enumerate(groups.items(), 1):
+        one = replace(each, suspects=tuple(suspects), name=each.name if len(groups) == 1 else f"{each.name}.{number}")
+        found.append(_merged(strict, each.name, one, left[case], is_early=is_early and not each.is_over))
     return found
 
 
@@ -139,13 +140,20 @@ def _counted(used: Used, suspect: Suspect, left: Records) -> Used:
     return counted(used, _without_both(suspect, left) if suspect.kind == "exchange" else left)
 
 
-def _merged(strict: Strict, belief: Belief, suspect: Suspect, records: Records, *, is_early: bool) -> Belief | None:
+def _merged(strict: Strict, parent: str, each: Hypothesis, records: Records, *, is_early: bool) -> Found:
+    """Return a hypothesis after records, if that can be, and what came of it."""
+    suspect, tried = each.suspects[0], Tried(each.name, parent, each.suspects, (), each.anew)
+    used = counted(each.used, records) if each.is_over else _counted(each.used, suspect, records)
+    now = replace(each, used=used, unites=(), anew=frozenset())
     try:
-        return strict.updated(belief, records)
-    except Inconsistent:
+        belief = strict.updated(each.belief, records)
+        return replace(now, belief=belief), replace(tried, beliefs=(belief,))
+    except Inconsistent as error:
         if not (is_early and suspect.kind == "past"):
-            return None
+            return None, replace(tried, end=(each.belief.time, error.evidence))
+    tried = replace(tried, anew=frozenset({suspect.who[1]}))
     try:
-        return strict.updated(strict.anywhere(belief, suspect.who[1]), records)
-    except Inconsistent:
-        return None
+        belief = strict.updated(strict.anywhere(each.belief, suspect.who[1]), records)
+        return replace(now, belief=belief), replace(tried, beliefs=(belief,))
+    except Inconsistent as error:
+        return None, replace(tried, end=(each.belief.time, error.evidence))

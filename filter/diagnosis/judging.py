@@ -10,13 +10,13 @@ import numpy as np
 from filter.arrays import Array
 from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import is_enough
-from filter.diagnosis.hypotheses import Strict, merged, moved_on, tried_again
+from filter.diagnosis.hypotheses import Found, Strict, merged, moved_on, tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
 from filter.diagnosis.suspects import suspects_of
 from filter.diagnosis.told import Records, without_robots
 from filter.linear.sources import Source
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial
+from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial, Tried
 from filter.sets.suspect import Doubted, Judged, Passed, Suspect
 
 RENEWED = 3  # for so many updates after a conflict the odometry of a robot may go on being wrong
@@ -36,7 +36,7 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
     since = diagnosis.recent[0].before.time
     frames = [frame for each in diagnosis.recent for frame in each.frames]
     suspects = suspects_of(conflict, frames, strict.robots, since)
-    living = tried_again(strict, diagnosis.recent, suspects)
+    living, tried = _both(tried_again(strict, diagnosis.recent, suspects))
     begun = replace(
         diagnosis,
         recent=(),
@@ -47,6 +47,7 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
         instants=0,
         by_proof=True,
         aside=tuple(replace(trial, belief=None) for trial in diagnosis.aside),
+        tried=tried,
     )
     if not living:
         if belief.time == frames[-1].time:
@@ -58,9 +59,10 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
 def predicted(strict: Strict, belief: Belief, diagnosis: Diagnosis, time: float, odometry: Odometry | None) -> Belief:
     """Return what is known in a doubt at a later time [s]."""
     is_early = diagnosis.instants < RENEWED
-    tried = [moved_on(strict, each, time, odometry, is_early=is_early) for each in diagnosis.hypotheses]
-    living = tuple(each for each in tried if each is not None)
-    now = replace(diagnosis, hypotheses=living, metres=driven(diagnosis.metres, odometry, strict.robots))
+    found = [moved_on(strict, each, time, odometry, is_early=is_early) for each in diagnosis.hypotheses]
+    living = tuple(each for each in found if isinstance(each, Hypothesis))
+    tried, metres = tuple(each for each in found if isinstance(each, Tried)), driven(diagnosis.metres, odometry, strict.robots)
+    now = replace(diagnosis, hypotheses=living, metres=metres, tried=tried)
     if not living:
         later = _elsewhere(strict, belief, time)
         return more_is_wrong(strict, later, (), now, Wrong(diagnosis.suspects, everybody=True))
@@ -71,11 +73,17 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     """Return what is known in a doubt after measurements of its time. Robots that start over are not listened to meanwhile."""
     heard = without_robots({trial.suspect.who[1] for trial in diagnosis.suspended}, records) if diagnosis.suspended else records
     is_early = diagnosis.instants < RENEWED
-    living = tuple(chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses))
-    now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1)
+    found = chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses)
+    living, tried = _both(tuple(found))
+    now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1, tried=diagnosis.tried + tried)
     if not living:
         return more_is_wrong(strict, belief, heard, now, Wrong(diagnosis.suspects))
     return judged(strict, now, innocent(diagnosis, living, belief.time))
+
+
+def _both(found: Sequence[Found]) -> tuple[tuple[Hypothesis, ...], tuple[Tried, ...]]:
+    """Return the hypotheses that can be, and what came of all."""
+    return tuple(each for each, _ in found if each is not None), tuple(tried for _, tried in found)
 
 
 def _elsewhere(strict: Strict, belief: Belief, time: float) -> Belief:
@@ -144,9 +152,11 @@ def _freed(living: Sequence[Hypothesis], suspect: Suspect) -> list[Hypothesis]:
     left = replace(home, suspects=tuple(one for one in home.suspects if one != suspect))
     others = [each for each in living if each not in {home, over}] + ([left] if left.suspects else [])
     if over is None:
-        return [*others, Hypothesis((suspect,), home.belief, home.used, is_over=True)]
-    used = Counter(over.used) & Counter(home.used)
-    return [*others, Hypothesis((*over.suspects, suspect), cover_of([over.belief, home.belief]), used, is_over=True)]
+        one = Hypothesis((suspect,), home.belief, home.used, is_over=True, name=f"{home.name}+", unites=(home.name,))
+        return [*others, one]
+    used, unites = Counter(over.used) & Counter(home.used), (*(over.unites or (over.name,)), home.name)
+    suspects, belief = (*over.suspects, suspect), cover_of([over.belief, home.belief])
+    return [*others, Hypothesis(suspects, belief, used, is_over=True, name=f"{over.name}+", unites=unites)]
 
 
 def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) -> Belief:
@@ -155,7 +165,7 @@ def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) ->
     if last.is_over:
         guarantee = last.belief.guarantee.under(assumption(strict, 0.0, (), diagnosis.aside))
         end = Passed(last.belief.time, diagnosis.since, diagnosis.suspects)
-        now = Diagnosis(aside=diagnosis.aside, suspended=diagnosis.suspended)
+        now = Diagnosis(aside=diagnosis.aside, suspended=diagnosis.suspended, tried=diagnosis.tried, left=last)
         return replace(last.belief, guarantee=guarantee, events=(*events, end, *last.belief.events), diagnosis=now)
     culprit = min(last.suspects, key=lambda suspect: (NAMED_FIRST.index(suspect.kind), suspect.who))
     culprit, implied = _by_all(culprit, [trial.suspect for trial in diagnosis.aside])
@@ -164,7 +174,7 @@ def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) ->
     if culprit.kind != "past":
         aside += (Trial(culprit, last.belief.time, None, {}, np.zeros(strict.robots)),)
     guarantee = last.belief.guarantee.under(assumption(strict, diagnosis.since, (), aside))
-    now = Diagnosis(aside=aside, suspended=diagnosis.suspended)
+    now = Diagnosis(aside=aside, suspended=diagnosis.suspended, tried=diagnosis.tried, left=last)
     return replace(last.belief, guarantee=guarantee, events=(*events, verdict, *last.belief.events), diagnosis=now)
 
 

@@ -163,12 +163,39 @@ class Hypothesis:
         belief: What then is known.
         used: What was merged since the doubt began.
         is_over: Whether it was wrong, and is right again by evidence: it is listened to.
+        name: By which those that follow from it tell it from others.
+        unites: Names of those that it was just made from, as it contains each of them; none where it follows from one.
+        anew: Robots that were anywhere since the last update.
     """
 
     suspects: tuple[Suspect, ...]
     belief: Belief
     used: Used = field(default_factory=dict)
     is_over: bool = False
+    name: str = ""
+    unites: tuple[str, ...] = ()
+    anew: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """What came of a hypothesis in one step: what is needed to prove it again.
+
+    Attributes:
+        name: The hypothesis.
+        parent: The one that it follows from; empty for what was known before the first instant.
+        suspects: One of these is wrong in it.
+        beliefs: After each instant that it was taken through, with their proofs.
+        anew: Robots that were anywhere at the last instant.
+        end: When nothing was left of it [s], and why; None if something is.
+    """
+
+    name: str
+    parent: str
+    suspects: tuple[Suspect, ...]
+    beliefs: tuple[Belief, ...]
+    anew: frozenset[int] = frozenset()
+    end: tuple[float, tuple[Evidence, ...]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,6 +231,8 @@ class Diagnosis:
         by_proof: Whether all who are no longer suspected would leave a contradiction.
         aside: Who is not listened to.
         suspended: Robots that start over.
+        tried: What came of each hypothesis in the last step, in the time of a doubt.
+        left: The one that was left, if the doubt has just ended.
     """
 
     recent: tuple[Recent, ...] = ()
@@ -215,6 +244,8 @@ class Diagnosis:
     by_proof: bool = True
     aside: tuple[Trial, ...] = ()
     suspended: tuple[Trial, ...] = ()
+    tried: tuple[Tried, ...] = ()
+    left: Hypothesis | None = None
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:

@@ -17,6 +17,7 @@ from filter.linear.sources import Source, Sources
 from filter.sensing.motion import Displacements
 from filter.sensing.since import Moves
 from filter.sets.belief import Belief
+from filter.sets.proof import Proof
 
 
 def moved(belief: Belief, time: float, moves: Displacements | Moves, arena: Array, corners: bool) -> tuple[Polytope, Sources]:
@@ -31,7 +32,9 @@ def moved(belief: Belief, time: float, moves: Displacements | Moves, arena: Arra
     outside = np.flatnonzero((lower > upper).any(axis=1))
     if len(outside):
         robot = int(outside[0])
-        raise Inconsistent(f"has left the arena by {time} s", [Source("region", belief.time, robot)], robot)
+        no_rows = belief.constraints.select(np.zeros(0, dtype=np.int64))
+        nothing = Proof.of_nothing(Polytope(no_rows, lower, upper), belief.sources, robot, np.zeros(0))
+        raise Inconsistent(f"has left the arena by {time} s", [Source("region", belief.time, robot)], robot, (nothing,))
     rows, sources = belief.constraints, belief.sources
     if corners:
         through, sources = rows_through_corners(belief, moves)

@@ -180,7 +180,9 @@ def test_a_folder_without_certificates_is_bad_input(copy, capsys):
     assert capsys.readouterr().err.strip().endswith(f"error: {copy / prove.LINES}: No such file or directory")
 
 
-@pytest.mark.parametrize("name", ["log.jsonl", "summary.json", *FILES[1:], "trajectories/r1_filter.tum", "moving_team.rrd"])
+@pytest.mark.parametrize(
+    "name", ["log.jsonl", "summary.json", *FILES[1:], prove.ALTERNATIVES, "trajectories/r1_filter.tum", "moving_team.rrd"]
+)
 def test_a_run_of_which_a_file_is_not_there_is_not_proved(copy, name, capsys):
     (copy / name).unlink()
     assert prove.main([str(copy)]) == 1

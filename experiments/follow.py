@@ -116,7 +116,7 @@ def filter_of(options: Options, team: Team) -> Filter[Any]:
         return ExtendedKalmanFilter(team)
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
     scope = Window.everybody() if options.hops is None else Window(options.hops)
-    return make(team, scope=scope, policy=options.policy)
+    return make(team, scope=scope, policy=options.policy, suspects_all=options.certificates)
 
 
 def every_of(options: Options) -> float:

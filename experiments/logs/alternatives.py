@@ -13,9 +13,9 @@ import numpy as np
 
 from experiments.logs.evidence import Records, of_evidence, proved
 from experiments.logs.exactly import VERSION, hexadecimal
-from filter import Array, Belief, Frame, Integers, InvalidInput, Source, StartsOver, Step, Suspect, Team
+from filter import Array, Belief, Frame, Integers, InvalidInput, StartsOver, Step, Suspect, Team
 from filter.diagnosis.quiet import MEMORY
-from filter.diagnosis.suspects import suspects_of
+from filter.diagnosis.suspects import everybody
 from filter.diagnosis.told import in_one_order, without_all
 from filter.geometry.polygon import SIDES
 from filter.linear.constraints import WORLD
@@ -81,9 +81,8 @@ class Alternatives:
             return []
         first = min([*(each.time for each in born[0].beliefs), *(one.end[0] for one in born if one.end)])
         frames = [frame for frame in self._recent if frame.time >= first]
-        there = sorted(set(range(self._team.robots)) - belief.guarantee.away)
-        pasts = [Source("region", first, robot) for robot in there]
-        every = suspects_of(pasts, [*frames, Frame(belief.time)], self._team.robots, first)
+        there = set(range(self._team.robots)) - belief.guarantee.away
+        every = everybody(frames, there, self._team.robots, first)
         tried = {suspect.who for one in born for suspect in one.suspects}
         gone = {suspect.who for one in born if one.end for suspect in one.suspects}
         return [self._team.words(suspect) for suspect in every if not _is_known(suspect, tried, gone)]

@@ -124,10 +124,10 @@ class Chain:
         self._check_boxes(line)
         for row, source in zip(line["rows"], line["sources"], strict=True):
             self._check_row(row, source)
-        if "empty" in line:
-            self.is_empty = True
-        elif proved is None:
+        if proved is None:
             self._case_by_case(line)
+        elif "empty" in line:
+            self.is_empty = True
         elif "side" in line:
             self.sides.add(line, proved, self._looking() if "sensors" in line else ())
         else:

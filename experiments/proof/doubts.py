@@ -182,6 +182,8 @@ class Doubts:
         if taken != wrong:
             raise Broken("something else is united than what may be wrong in these alternatives")
         self._living = {name: each for name, each in self._living.items() if each.wrong}
+        if record["name"] in self._living:
+            raise Broken(f"a second alternative {record['name']}")
         self._living[record["name"]] = Alternative("", chain, wrong, is_over=True)
 
     def _put_aside(self, record: Record) -> None:
@@ -197,6 +199,7 @@ class Doubts:
             raise Broken("somebody is put aside who was not found to be wrong")
         if any(kind != "past" for kind, *_ in found) and not set(aside) & (found | behind):
             raise Broken("who was found to be wrong is not put aside")
+        self.assumed[AGAIN] += 0 if found else len(set(self._aside) - set(aside))
         self._aside = aside
         if aside:
             since = f"from t = {self._heard[-1].time} s on"
@@ -220,7 +223,9 @@ class Doubts:
                     exact(line["offset"]),
                 )
                 for each in some:
-                    proved = through_corner(each.chain.shown.get(pair, {}), normal, offset)
+                    proved = each.chain.edges.get(pair, {}).get(normal)
+                    if proved is None or proved > offset:
+                        proved = through_corner(each.chain.shown.get(pair, {}), normal, offset)
                     if proved is None or proved > offset:
                         far = "no edges" if proved is None else f"edges {float(proved - offset):.3g} m farther out"
                         raise Broken(f"an edge of the cover, where an alternative has {far}")

@@ -36,7 +36,9 @@ def greatest(line: Record) -> Fraction:
     for i, j in ((line["from"], line["robot"]), *((row["i"], row["j"]) for row in line["rows"])):
         if not (type(i) is type(j) is int and WORLD <= i < j):
             raise Broken(f"a pair {shown(i)}, {shown(j)} that is none, or in the wrong order")
-    is_empty = "empty" in line and line["from"] == WORLD and not any(map(exact, line["normal"]))
+    is_empty = "empty" in line
+    if is_empty and (line["from"] != WORLD or any(map(exact, line["normal"]))):
+        raise Broken("an empty line that is about something")
     for one in line["rows"] if is_empty else (line, *line["rows"]):
         unit_normal(one["normal"])
     rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}

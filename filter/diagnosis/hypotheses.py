@@ -27,6 +27,7 @@ class Strict:
 
     Attributes:
         robots: How many there are.
+        suspects_all: Whether everybody is suspected in a conflict.
         words: Says something with the names of the team.
         anywhere: Returns the belief in which a robot is anywhere, with any heading.
         predict: Returns the belief at a later time [s]; an error names what is in conflict.
@@ -37,6 +38,7 @@ class Strict:
     """
 
     robots: int
+    suspects_all: bool
     words: Callable[[object], str]
     anywhere: Callable[[Belief, int], Belief]
     predict: Callable[[Belief, float, Odometry | None], Belief]

@@ -12,7 +12,7 @@ from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import is_enough
 from filter.diagnosis.hypotheses import Found, Strict, merged, moved_on, tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
-from filter.diagnosis.suspects import suspects_of
+from filter.diagnosis.suspects import everybody, suspects_of
 from filter.diagnosis.told import Records, without_robots
 from filter.linear.sources import Source
 from filter.records.odometry import Odometry
@@ -35,7 +35,10 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
     """
     since = diagnosis.recent[0].before.time
     frames = [frame for each in diagnosis.recent for frame in each.frames]
+    there = set(range(strict.robots)) - belief.guarantee.away
     suspects = suspects_of(conflict, frames, strict.robots, since)
+    if strict.suspects_all:
+        suspects = everybody(frames, there, strict.robots, since)
     living, tried = _both(tried_again(strict, diagnosis.recent, suspects))
     begun = replace(
         diagnosis,

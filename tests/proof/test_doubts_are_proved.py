@@ -11,12 +11,14 @@ from helpers.drawn.broken import drawn, outside
 from helpers.proved.doubts import FIRST, FRAMES, followed, lied, proved, refusal
 from helpers.proved.runs import forge, lines_of, moved
 
+from experiments.follow import main as follow_command
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.proof.doubts import AGAIN, Doubts
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.wrong import everybody, without, without_both
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
+from experiments.prove import main as prove_command
 from filter import Bearing, Compass, Frame, InvalidInput, Position, Source, Suspect, Team
 from filter.diagnosis.hypotheses import _without_both
 from filter.diagnosis.suspects import suspects_of
@@ -111,6 +113,21 @@ def an_end_without_its_contradiction(records):
 def a_contradiction_without_a_row(records):
     line = next(line for record in dead(records) for line in last(record)["lines"] if "empty" in line)
     del line["rows"][0], line["sources"][0]
+
+
+@forged("an empty line that is about something")
+def a_claim_as_a_contradiction(records):
+    """That a robot is to the left of something is no contradiction, though it is proved to be less than nothing."""
+    record = of(records, "sensor", 0, -1)
+    some = [line for line in last(record)["lines"] if line["from"] < 0 and float.fromhex(line["offset"]) < 0]
+    some[0]["empty"] = True
+
+
+@forged("there are pieces that no case is about")
+def a_contradiction_by_cases_of_which_there_are_none(records):
+    """With `pieces` a line is not proved by its rows."""
+    line = next(line for record in dead(records) for line in last(record)["lines"] if "empty" in line)
+    line.update(rows=[], sources=[], pieces=[], said=[], claims=[], heading=["0x0p+0", "0x1p+2"], spacing="0x1p-1")
 
 
 @forged("an alternative that ends before it is proved to be empty")
@@ -252,6 +269,25 @@ def test_a_forged_union_is_refused(doubtful, change, why, tmp_path):
     change(record)
     forge(copy, ALTERNATIVES, lambda records: records.append(record))
     assert why in refusal(copy)
+
+
+def test_a_union_does_not_take_the_place_of_the_case_that_is_left(doubtful, tmp_path):
+    copy, record = Path(shutil.copytree(doubtful, tmp_path / "copy")), united(doubtful)
+    record["name"] = next(one["name"] for one in lines_of(doubtful, ALTERNATIVES)[-3:] if one["name"] not in record["unites"])
+    forge(copy, ALTERNATIVES, lambda records: records.append(record))
+    assert f"a second alternative {record['name']}" in refusal(copy)
+
+
+def test_a_run_is_proved_from_the_command_line(tmp_path, capsys):
+    lied(tmp_path, Compass)
+    out = tmp_path / "run"
+    assert (
+        follow_command([str(tmp_path / "log.jsonl"), "--policy", "reject", "--light", "--certificates", "--out", str(out)]) == 0
+    )
+    assert prove_command([str(out)]) == 0
+    told = capsys.readouterr().out
+    assert "on trust: one thing alone was wrong from t = 0.0 s to 0.30000000000000004 s, one of:" in told
+    assert "nothing is wrong but: compass r0" in told
 
 
 def test_of_what_was_united_nothing_from_before_counts(doubtful):

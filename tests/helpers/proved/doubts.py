@@ -38,7 +38,8 @@ def followed(path, kind, seed, landmarks=4, count=None):
     heads = [None] * 3 if arcs is None else list(zip(arcs.centre.tolist(), arcs.bound.tolist(), strict=True))
     initial = [InitialSet(one.vertices, head) for one, head in zip(episode.positions, heads, strict=True)]
     header = Header(episode.team, 0.0, 1.0)
-    return episode, written(path, going_on(episode.team), header, initial, episode.frames[:count])
+    filter_ = going_on(episode.team, cells=8, suspects_all=True)
+    return episode, written(path, filter_, header, initial, episode.frames[:count])
 
 
 def lied(path, about, arena=(-4.0, 10.0)):
@@ -48,7 +49,7 @@ def lied(path, about, arena=(-4.0, 10.0)):
     arcs, sets = world.initial_headings(0.2), world.initial_sets()
     heads = zip(arcs.centre.tolist(), arcs.bound.tolist(), strict=True)
     initial = [InitialSet(one.vertices, head) for one, head in zip(sets, heads, strict=True)]
-    filter_ = SetMembershipFilter.light(world.team, policy="reject", cells=0)
+    filter_ = SetMembershipFilter.light(world.team, policy="reject", cells=0, suspects_all=True)
     return written(path, filter_, Header(world.team, 0.0, 10.0), initial, _frames(world, about))
 
 

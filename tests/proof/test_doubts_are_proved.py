@@ -19,7 +19,7 @@ from experiments.proof.reading import Broken
 from experiments.proof.wrong import everybody, without, without_both
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
 from experiments.prove import main as prove_command
-from filter import Bearing, Compass, Frame, InvalidInput, Position, Source, Suspect, Team
+from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, Source, Suspect, Team
 from filter.diagnosis.hypotheses import _without_both
 from filter.diagnosis.suspects import suspects_of
 from filter.diagnosis.told import without as left_by
@@ -57,7 +57,7 @@ def test_the_end_of_a_doubt_is_proved_and_who_is_put_aside_is_said(settled):
 @pytest.mark.parametrize(("kind", "seed", "landmarks", "count"), [("slip", 3, 4, 17), ("swap", 3, 4, 17), ("moved", 3, 2, 24)])
 def test_an_episode_is_proved_and_the_truth_is_inside(kind, seed, landmarks, count, tmp_path):
     episode, beliefs = followed(tmp_path, kind, seed, landmarks, count)
-    assert any(belief.suspects or belief.aside for belief in beliefs)
+    assert any(isinstance(event, Doubted) for belief in beliefs for event in belief.events)
     for belief, frame in zip(beliefs[episode.fault.when + 2 :], episode.frames[episode.fault.when + 2 :], strict=False):
         assert not outside(belief, frame.truth).any()
     assumed, _ = proved(tmp_path)

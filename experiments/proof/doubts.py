@@ -199,7 +199,8 @@ class Doubts:
             raise Broken("somebody is put aside who was not found to be wrong")
         if any(kind != "past" for kind, *_ in found) and not set(aside) & (found | behind):
             raise Broken("who was found to be wrong is not put aside")
-        self.assumed[AGAIN] += 0 if found else len(set(self._aside) - set(aside))
+        if not found and set(self._aside) - set(aside):
+            self.assumed[AGAIN] += len(set(self._aside) - set(aside))
         self._aside = aside
         if aside:
             since = f"from t = {self._heard[-1].time} s on"

@@ -310,14 +310,16 @@ def test_nobody_knows_since_when_markers_are_exchanged_nor_where_a_robot_is_whos
 
 def test_of_what_was_united_nothing_from_before_counts(doubtful):
     """Else a union would know what only one of its cases does."""
-    doubts = Doubts(Log(doubtful))
-    chain = doubts.main.branch(0)
-    chain.check(*([("", one) for one in lines_of(doubtful, name) if one["t"] == "0x0.0p+0"] for name in (HEADINGS, LINES)))
-    begun = chain.begun(chain.headings, {})
-    begun._begin(begun._log.frames[1])
-    normal = next(iter(chain.edges[-1, 0]))
-    assert chain._of_edges((-1, 0), normal, chain.edges[-1, 0][normal], 0)
-    assert begun._of_edges((-1, 0), normal, Fraction(10**6), 0) is None
+    log, chain, times = Log(doubtful), Doubts(Log(doubtful)).main, list(dict.fromkeys(one["t"] for one in lines_of(doubtful)))
+    for time in times[:2]:
+        headings, lines = ([("", one) for one in lines_of(doubtful, name) if one["t"] == time] for name in (HEADINGS, LINES))
+        chain.check(headings, lines)
+    begun, normal = chain.begun(chain.headings, {}), next(iter(chain._proved[0][-1, 0]))
+    for each, is_known in ((chain, True), (begun, False)):
+        each._begin(log.frames[2])
+        for taken in range(2):
+            assert bool(each._of_edges((-1, 0), normal, Fraction(10**6), taken)) == is_known
+        assert (each._growth((-1, 0, normal, 0)) is not None) == is_known
 
 
 def contradiction(robot, rows):
@@ -349,6 +351,11 @@ def test_where_nothing_is_said_to_be_in_doubt_a_contradiction_proves_nothing(tmp
 def test_without_an_arena_there_are_no_certificates_of_robots_that_are_anywhere(tmp_path):
     with pytest.raises(InvalidInput, match="in a closed arena"):
         lied(tmp_path, Bearing, arena=(-np.inf, np.inf))
+
+
+def test_without_everybody_among_the_suspects_there_are_no_certificates(tmp_path):
+    with pytest.raises(InvalidInput, match="in which all were suspected who said anything"):
+        followed(tmp_path, "start", 4, 1, 0, suspects_all=False)
 
 
 def suspects_in(frames, robots):

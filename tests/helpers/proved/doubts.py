@@ -31,14 +31,14 @@ def written(path, filter_, header, initial, frames):
     return found
 
 
-def followed(path, kind, landmarks, count, cells):
+def followed(path, kind, landmarks, count, cells, *, suspects_all=True):
     """Write log and certificates of an episode, up to so many frames; return it, and the belief after each."""
     episode = drawn(kind, 3, landmarks)
     arcs = episode.headings
     heads = [None] * 3 if arcs is None else list(zip(arcs.centre.tolist(), arcs.bound.tolist(), strict=True))
     initial = [InitialSet(one.vertices, head) for one, head in zip(episode.positions, heads, strict=True)]
     header = Header(episode.team, 0.0, 1.0)
-    filter_ = going_on(episode.team, cells=cells, suspects_all=True)
+    filter_ = going_on(episode.team, cells=cells, suspects_all=suspects_all)
     return episode, written(path, filter_, header, initial, episode.frames[:count])
 
 

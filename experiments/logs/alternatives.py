@@ -37,8 +37,10 @@ class Alternatives:
     def of(self, step: Step[Belief]) -> list[dict[str, Any]]:
         """Return the records of a step; raises `InvalidInput` where there are no certificates of it."""
         belief, before = step.belief, step.predicted
-        if over := next((event for event in belief.events if isinstance(event, StartsOver)), None):
+        if over := next((event for event in (*before.events, *belief.events) if isinstance(event, StartsOver)), None):
             raise InvalidInput(f"{PROVABLE} in which no robot starts over", self._team.words(over))
+        if before.diagnosis and not all(one.parent for one in before.diagnosis.tried):
+            raise InvalidInput(f"{PROVABLE} in which doubts begin with what is measured", "one that begins with a motion")
         kept = without_all(before.aside, in_one_order(step.frame.time, step.frame.measurements))
         self._recent = [*self._recent, Frame(step.frame.time, None, kept)][-MEMORY:]
         known = belief.diagnosis or Diagnosis()
@@ -65,8 +67,6 @@ class Alternatives:
     def _look_at(self, belief: Belief, tried: Sequence[Tried]) -> None:
         """Raise `InvalidInput` if something of a doubt cannot be proved, as yet."""
         born = [one for one in tried if not one.parent]
-        if {one.name for one in born} & {one.parent for one in tried}:
-            raise InvalidInput(f"{PROVABLE} in which doubts begin with what is measured", "one that begins with a motion")
         if bad := next((one for one in tried if one.end and not one.end[1]), None):
             words = "; ".join(map(self._team.words, bad.suspects))
             raise InvalidInput(f"{PROVABLE} in which it is proved of each case why it cannot be", words)

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -13,13 +14,14 @@ from helpers.proved.runs import forge, lines_of, moved
 
 from experiments.follow import main as follow_command
 from experiments.logs import Header, InitialSet, LogWriter
+from experiments.logs.alternatives import Alternatives
 from experiments.proof.doubts import AGAIN, Doubts
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.wrong import everybody, without, without_both
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
 from experiments.prove import main as prove_command
-from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, Source, Suspect, Team
+from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, Source, StartsOver, Step, Suspect, Team
 from filter.diagnosis.hypotheses import _without_both
 from filter.diagnosis.suspects import suspects_of
 from filter.diagnosis.told import without as left_by
@@ -351,6 +353,17 @@ def test_where_nothing_is_said_to_be_in_doubt_a_contradiction_proves_nothing(tmp
 def test_without_an_arena_there_are_no_certificates_of_robots_that_are_anywhere(tmp_path):
     with pytest.raises(InvalidInput, match="in a closed arena"):
         lied(tmp_path, Bearing, arena=(-np.inf, np.inf))
+
+
+@pytest.mark.parametrize("why", ["begin with what is measured", "no robot starts over"])
+def test_of_what_comes_with_a_motion_there_are_no_certificates(why, tmp_path):
+    belief = lied(tmp_path, Bearing)[FIRST]
+    (begun, *_) = belief.diagnosis.tried
+    events = (StartsOver(belief.time, (0,), ()),) if why == "no robot starts over" else ()
+    diagnosis = replace(belief.diagnosis, tried=() if events else (begun,))
+    step = Step(Frame(belief.time), replace(belief, events=events, diagnosis=diagnosis), belief, 0.0)
+    with pytest.raises(InvalidInput, match=why):
+        Alternatives(Team(2, np.zeros((3, 2)))).of(step)
 
 
 def test_without_everybody_among_the_suspects_there_are_no_certificates(tmp_path):

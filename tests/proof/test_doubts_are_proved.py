@@ -15,7 +15,7 @@ from helpers.proved.runs import forge, lines_of, moved
 from experiments.follow import main as follow_command
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.logs.alternatives import Alternatives
-from experiments.proof.doubts import AGAIN, Doubts
+from experiments.proof.doubts import Doubts
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.wrong import everybody, without, without_both
@@ -238,59 +238,6 @@ def test_whatever_is_in_a_doubt_there_is_a_verdict_in_words(doubtful, seed, tmp_
 
     forge(copy, ALTERNATIVES, change)
     assert isinstance(refusal(copy), str)
-
-
-def again(folder, *names):
-    """Return records by which cases that are left, of such suspects, are right again at the end; nothing more is heard."""
-    (heading,) = lines_of(folder, HEADINGS)[-1:]
-    stamp = {key: heading[key] for key in ("t", "version")} | {"headings": [], "lines": []}
-    some = [one for one in lines_of(folder, ALTERNATIVES) if one["t"] == heading["t"] and one["wrong"][0][0] in names]
-    return [{**stamp, "name": one["name"] + "+1", "again": one["name"], "wrong": one["wrong"]} for one in some]
-
-
-def united(folder):
-    """Have two of the cases that are left right again, and united within what is said at the end; return the records."""
-    (heading,), some = lines_of(folder, HEADINGS)[-1:], again(folder, "sensor", "body")
-    lines = [line for line in lines_of(folder, LINES) if line["t"] == heading["t"]]
-    union = {"name": "both", "unites": [one["name"] for one in some], "headings": [heading], "lines": lines}
-    return [*some, {key: heading[key] for key in ("t", "version")} | union]
-
-
-def test_cases_that_are_over_are_united_in_what_holds_in_each(doubtful, tmp_path):
-    copy, more = Path(shutil.copytree(doubtful, tmp_path / "copy")), united(doubtful)
-    forge(copy, ALTERNATIVES, lambda records: records.extend(more))
-    assumed, _ = proved(copy)
-    assert assumed[AGAIN] == 2
-
-
-@pytest.mark.parametrize(
-    ("change", "why"),
-    [
-        (lambda *_, one: one["lines"][0].update(offset=moved(one["lines"][0]["offset"], -0.1)), "edges 0.1 m farther out"),
-        (lambda *_, one: one["unites"].append("nobody"), "KeyError"),
-        (lambda *_, one: one.update(unites=[]), "united that are not over"),
-        (lambda first, *_, one: one["unites"].append(first["again"]), "KeyError"),
-        (lambda first, *_, one: one.update(name="13"), "a second alternative 13"),
-        (lambda first, *_, one: first["wrong"].append(["past", 0, -1]), "something else is right again"),
-        (lambda first, *_, one: first.update(wrong=[]), "something else is right again"),
-        (lambda first, *_, one: first.update(again=one["name"]), "KeyError"),
-    ],
-    ids=["an edge", "a name", "nobody", "one that is not over", "a name twice", "a suspect", "no suspect", "nobody is right"],
-)
-def test_a_forged_union_is_refused(doubtful, change, why, tmp_path):
-    copy, more = Path(shutil.copytree(doubtful, tmp_path / "copy")), united(doubtful)
-    (left,) = {one["name"] for one in lines_of(doubtful, ALTERNATIVES)[-3:]} - {one["again"] for one in more[:-1]}
-    change(*more[:-1], one=more[-1])
-    why, more[-1]["name"] = why.replace("13", left), more[-1]["name"].replace("13", left)
-    forge(copy, ALTERNATIVES, lambda records: records.extend(more))
-    assert why in refusal(copy)
-
-
-def test_only_what_is_over_is_united(doubtful, tmp_path):
-    copy, (first, *_, union) = Path(shutil.copytree(doubtful, tmp_path / "copy")), united(doubtful)
-    union["unites"] = [first["again"]]
-    forge(copy, ALTERNATIVES, lambda records: records.append(union))
-    assert "united that are not over" in refusal(copy)
 
 
 def test_a_run_is_proved_from_the_command_line(tmp_path, capsys):

@@ -214,8 +214,9 @@ class Following:
         options = self._options
         told: dict[str, Value] = {"replay": str(options.log)}
         if options.filter == "sets":
-            told |= {"solver": "exact", "policy": options.policy, "tolerated": options.tolerating.tolerate}
+            told |= {"solver": "exact", "policy": options.policy}
         own: dict[str, Value] = {"filter": options.filter, "formats": " ".join(dict.fromkeys(options.formats))}
+        own |= {"tolerated": options.tolerating.tolerate} if options.filter == "sets" else {}
         own |= {"every_s": every_of(options), "recording": RECORDING if options.recording or options.view else None}
         for keeper in self._told:
             own |= keeper.summary()

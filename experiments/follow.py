@@ -37,7 +37,7 @@ from filter import ExtendedKalmanFilter, Filter, InvalidInput, Policy, RobustFil
 LOG, RECORDING = "log.jsonl", "follow.rrd"
 EVERY = 0.1  # so long a time is one step, where nothing needs each stamp [s]
 # What a run leaves in its folder; what is there from an earlier one would be taken for this one's.
-PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz")
+PROOFS = ("certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz", "alternatives.jsonl.gz")
 LEFT = (ALARMS, EPISODES, *PROOFS, RECORDING, *FILES.values())
 
 
@@ -119,7 +119,8 @@ def filter_of(options: Options, team: Team) -> Filter[Any]:
         return ExtendedKalmanFilter(team)
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
     scope = Window.everybody() if options.hops is None else Window(options.hops)
-    return make(team, scope=scope, policy=options.policy, tolerance=options.tolerating.tolerance())
+    tolerance, everybody = options.tolerating.tolerance(), options.certificates
+    return make(team, scope=scope, policy=options.policy, tolerance=tolerance, suspects_all=everybody)
 
 
 def every_of(options: Options) -> float:
@@ -213,8 +214,9 @@ class Following:
         options = self._options
         told: dict[str, Value] = {"replay": str(options.log)}
         if options.filter == "sets":
-            told |= {"solver": "exact", "policy": options.policy, "tolerated": str(options.tolerating.tolerance() or "")}
+            told |= {"solver": "exact", "policy": options.policy}
         own: dict[str, Value] = {"filter": options.filter, "formats": " ".join(dict.fromkeys(options.formats))}
+        own |= {"tolerated": str(options.tolerating.tolerance() or "")} if options.filter == "sets" else {}
         own |= {"every_s": every_of(options), "recording": RECORDING if options.recording or options.view else None}
         for keeper in self._told:
             own |= keeper.summary()

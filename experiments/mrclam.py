@@ -69,7 +69,7 @@ class Options:
     """1: the robust filter, right although one vote of a window is wrong. 0: the one filter for all teams, which believes
     what is not proved wrong: smaller regions; what is proved wrong is in doubt until it is found out."""
     certificates: bool = False
-    """With --tolerate 0, keep in certified/ what python -m experiments.prove proves again, as long as nothing is in doubt."""
+    """With --tolerate 0, keep in certified/ what python -m experiments.prove proves again, until robots start over."""
     seed: int = 0
     """Where in its initial set each robot starts."""
     out: Path = Path("runs/mrclam")

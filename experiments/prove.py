@@ -21,7 +21,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from experiments.proof.chain import Chain
+from experiments.proof.doubts import Cover, Doubts
 from experiments.proof.edges import WORLD
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
@@ -32,6 +32,7 @@ from experiments.proof.told import Told
 
 CERTIFIED = "certified"  # a folder in that of a run, for all that is to be proved
 LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz"
+ALTERNATIVES = "alternatives.jsonl.gz"
 SUMMARY, TRAJECTORY = "summary.json", "trajectories/{}_filter.tum"
 RECORDINGS = ("moving_team.rrd", "follow.rrd")  # the first, where a summary does not say which there is, or that there is none
 BAR = 40  # characters
@@ -49,15 +50,16 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     """
     log = Log(folder)
     _look_for_files(folder, [name for robot, name in enumerate(log.names) if log.is_there(robot)])
-    chain, told, proved, progress = Chain(log), Told(log), list[list[Region | None]](), _Progress(show, folder / LINES)
+    doubts, told, proved, progress = Doubts(log), Told(log), list[list[Region | None]](), _Progress(show, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
+    others = Feed(folder / ALTERNATIVES)
     for frame in log.frames:
-        chain.check(headings.at(frame.time), lines.at(frame.time))
-        proved.append(regions_of(frame, regions.at(frame.time), chain))
-        told.add(frame, proved[-1], chain.shown, chain.headings)
-    for feed in (headings, lines, regions):
+        cover = doubts.check(headings.at(frame.time), lines.at(frame.time), others.at(frame.time, least=0))
+        proved.append(regions_of(frame, regions.at(frame.time), cover))
+        told.add(frame, proved[-1], cover.shown, cover.headings)
+    for feed in (headings, lines, regions, others):
         feed.end()
-    counts = Counter({"certificates": chain.lines, **chain.links}) + _shown(folder, told, log, proved)
+    counts = doubts.main.links + doubts.assumed + _shown(folder, told, log, proved)
     show("\n")
     return counts
 
@@ -65,7 +67,8 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
 def _look_for_files(folder: Path, robots: Sequence[str]) -> None:
     """Raise if a file is not there, or is of no robot: to be said before the proof, which takes a while."""
     trajectories = [folder / TRAJECTORY.format(robot) for robot in robots]
-    for path in (*(folder / name for name in (HEADINGS, LINES, REGIONS, SUMMARY)), *_recordings(folder), *trajectories):
+    needed = [folder / name for name in (HEADINGS, LINES, REGIONS, ALTERNATIVES, SUMMARY)]
+    for path in (*needed, *_recordings(folder), *trajectories):
         path.stat()
     for path in sorted(set(folder.glob(TRAJECTORY.format("*"))) - set(trajectories)):
         raise Broken(f"{path.name}: a trajectory of a robot that there is not")
@@ -92,12 +95,12 @@ def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region 
     return counts
 
 
-def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> list[Region | None]:
+def regions_of(frame: Frame, found: list[tuple[str, Record]], cover: Cover) -> list[Region | None]:
     """Return the regions of a frame, each of them proved; None of robots that are away."""
     (place, record), *more = found
     with located(f"{place} (t = {frame.time} s)"):
-        if more or len(record["regions"]) != len(chain.headings):
-            raise Broken(f"one record of {len(chain.headings)} regions was expected")
+        if more or len(record["regions"]) != len(cover.headings):
+            raise Broken(f"one record of {len(cover.headings)} regions was expected")
     regions = list[Region | None]()
     for robot, region in enumerate(record["regions"]):
         with located(f"{place} (t = {frame.time} s, robot {robot})"):
@@ -106,7 +109,7 @@ def regions_of(frame: Frame, found: list[tuple[str, Record]], chain: Chain) -> l
                 raise Broken(
                     "a region of a robot that is away" if is_there else "there is no region, though the robot is there"
                 )
-            regions.append(checked_region(region, chain.shown.get((WORLD, robot), {})) if is_there else None)
+            regions.append(checked_region(region, cover.shown.get((WORLD, robot), {})) if is_there else None)
     return regions
 
 

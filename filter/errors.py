@@ -53,11 +53,12 @@ class Inconsistent(CorralError):
         what: When that was found, or, of a robot, that it has left the arena, in words.
         sources: What is proved to exclude one another, the newest last; without any one of them it is not.
         robot: Which one has left the arena, or None.
+        evidence: Why the strict filter says so, if it kept that: its proofs up to the contradiction.
     """
 
-    def __init__(self, what: str, sources: Sequence[Any], robot: int | None = None) -> None:
+    def __init__(self, what: str, sources: Sequence[Any], robot: int | None = None, evidence: Sequence[Any] = ()) -> None:
         super().__init__(_conflict(what if robot is None else f"robot {robot} {what}", map(str, sources)))
-        self.what, self.sources, self.robot = what, tuple(sources), robot
+        self.what, self.sources, self.robot, self.evidence = what, tuple(sources), robot, tuple(evidence)
 
     def named(self, team: Any) -> str:
         """Return it in words, with the names that a team has for robots, landmarks and sensors."""

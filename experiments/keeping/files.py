@@ -42,7 +42,7 @@ class Proofs(Keeper):
     """Keeps the certificates, and the regions that they prove."""
 
     def __init__(self, folder: Path, team: Team) -> None:
-        self._files = Certificates(folder, team.landmarks)
+        self._files = Certificates(folder, team)
 
     def keep(self, moment: Moment) -> None:
         """Take one step in."""

@@ -7,6 +7,8 @@ from typing import Any
 from filter import Array, Polygon, Source
 from filter.linear.constraints import Constraints
 
+VERSION = 3  # of the format of certificates, in every line
+
 
 def row_record(rows: Constraints, row: int) -> dict[str, Any]:
     """Return one of some rows."""

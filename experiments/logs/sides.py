@@ -88,13 +88,13 @@ class Seen(NamedTuple):
 def sides_of_bearings(read: Directions, landmarks: Array) -> Sighted:
     """Return the sides of targets whose bearings have made headings narrower; landmarks are (l, 2) [m].
 
-    Both sides of each: half a circle alone could meet another one at both ends.
+    Both sides of each: half a circle alone could meet another one at both ends. If nothing is left of a heading, those of all.
     """
     seen, bearings = Seen.of(read, read.readings.bearings, read.before), read.readings.bearings
     arcs, claimed = heading_arcs_of_bearing(bearings, seen.spans(read.known, landmarks)), read.headings[bearings.robot]
     off = [wrap(arcs.centre + end * arcs.bound - claimed.centre - end * claimed.bound) for end in (-1, 1)]
     wide = (np.concatenate([bearings.bound, read.readings.relatives.bound]) > WIDE).any()
-    nearest = np.flatnonzero((np.abs(off) < NEAR).any(axis=0) | wide)
+    nearest = np.flatnonzero((np.abs(off) < NEAR).any(axis=0) | wide | read.is_torn)
     return _sides(read.known, read.sources, landmarks, seen.some(nearest), ANGLE_ROUNDING / 2)
 
 

@@ -5,75 +5,42 @@ Every row that a certificate rests on has to follow from something: an edge that
 measurement in the log. Boxes likewise, and headings: from those before, turned by odometry, and from compasses and bearings.
 """
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import pi
 
 from experiments.proof.cases.cells import check_cases
-from experiments.proof.cases.slices import Slice, check_roots, slices_in
-from experiments.proof.edges import SIDES, WORLD, Edges, all_edges, plane, through_corner, unit_normal
-from experiments.proof.exact import Arc, Vector, arc_around, in_common
+from experiments.proof.cases.slices import check_roots, slices_in
+from experiments.proof.edges import SIDES, WORLD, add, plane, unit_normal
+from experiments.proof.exact import Arc, Vector, arc_around, are_apart, in_common
 from experiments.proof.given.frame import Frame
-from experiments.proof.given.log import Log
+from experiments.proof.known import Known
 from experiments.proof.line import check
-from experiments.proof.measured import Instant, of_measurement
-from experiments.proof.motion import Displaced, turned
+from experiments.proof.measured import of_measurement
 from experiments.proof.reading import VERSION, Broken, Record, exact, located, shown
-from experiments.proof.sides import Sides, looking
+from experiments.proof.sides import looking
 
-MOST = 1000  # edges of one robot or pair in a step: any two of them may prove something
 Placed = tuple[str, Record]  # a record and its place in words
 
 
-class Chain:
-    """Checks one step after the other.
+class Chain(Known):
+    """Checks one step after the other."""
 
-    Attributes:
-        links: How many links of each kind there were, all of them proved.
-        lines: How many certificates there were.
-        shown: What the last step's certificates have proved of each robot and pair, after all that its headings rest on.
-    """
-
-    def __init__(self, log: Log) -> None:
-        self.links: Counter[str] = Counter()
-        self.lines = 0
-        self.shown: Edges = {}
-        self._log = log
-        self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
-        self._placed = [0] * log.robots  # at which frame each robot was put somewhere: nothing from before counts
-        self._history: list[list[Displaced]] = []  # by frames, as are the next two
-        self._proved: list[Edges] = []
-        self._instants: list[Instant] = []
-        self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
-        self._seen: set[str] = set()
-        self._slices: dict[int, list[Slice]] = {}  # of robots, as proved so far
-        self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
-        self._told: tuple[list[Arc], list[Arc]] = [], []  # these, and what is left of them by what `_looking` takes
-
-    @property
-    def headings(self) -> Sequence[Arc]:
-        """What has been proved of the robots' headings in this step so far."""
-        return self._instants[-1].headings
-
-    @property
-    def sides(self) -> Sides:
-        """Where targets are, as far as that has been proved in this step."""
-        return self._instants[-1].sides
-
-    @property
-    def edges(self) -> Edges:
-        """What has been proved of each robot and pair in this step so far."""
-        return self._proved[-1]
-
-    def check(self, headings: Sequence[Placed], lines: Sequence[Placed]) -> None:
+    def check(self, headings: Sequence[Placed], lines: Sequence[Placed], frame: Frame | None = None) -> None:
         """Check the next step: its headings, as often as they became narrower, and then its certificates.
+
+        If a frame is given, that is what was heard then, in place of the log's.
 
         Raises:
             Broken: Something does not follow from anything before it.
         """
         with located(f"step {len(self._history)}"):
-            frame = self._begin()
+            self._begin(frame or self._log.frames[self.frames])
+        self.go_on(headings, lines)
+
+    def go_on(self, headings: Sequence[Placed], lines: Sequence[Placed]) -> None:
+        """Check, likewise, what else is proved of the last frame."""
+        frame = self._instants[-1].frame
         for place, record in headings:
             with located(place):
                 for line in record["lines"]:
@@ -90,7 +57,7 @@ class Chain:
         Raises:
             Broken: Something of it is not proved.
         """
-        self.lines += 1
+        self.links["certificates"] += 1
         if float(exact(line["t"])) != self._instants[-1].frame.time:
             raise Broken("a line of another time than its frame's")
         if line["version"] != VERSION:
@@ -101,6 +68,8 @@ class Chain:
             self._check_row(row, source)
         if proved is None:
             self._case_by_case(line)
+        elif "empty" in line:
+            self.is_empty = True
         elif "side" in line:
             self.sides.add(line, proved, self._looking() if "sensors" in line else ())
         else:
@@ -116,33 +85,23 @@ class Chain:
         robot = line["robot"]
         if roots := slices_in(line, "roots"):
             check_roots(roots, self._slices.get(robot, ()))
-        self._looks[robot] = in_common(self._looks[robot], [check_cases(line, self._instants[-1])])
+        left = check_cases(line, self._instants[-1])
+        if left is None or are_apart(self._looks[robot], left):
+            self.is_empty = True
+            return
+        self._looks[robot] = in_common(self._looks[robot], [left])
         for claim in line["claims"]:
-            _add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
+            add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
         self._slices[robot] = slices_in(line, "slices")
         self.links["robots, case by case"] += 1
 
-    def _begin(self) -> Frame:
-        log, number = self._log, len(self._history)
-        frame = log.frames[number]
-        before = self.headings if number else [start.heading for start in log.starts]
-        driven = list(zip(frame.pieces, before, strict=True))
-        self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
-        self._proved.append({})
-        looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks, log.mounts)
-        self._slices = {
-            robot: [each.moved(frame.pieces[robot]) for each in slices]
-            for robot, slices in self._slices.items()
-            if robot not in frame.placed
-        }
-        for robot, start in frame.placed.items():
-            looks[robot], self._placed[robot] = start.heading, number
-        self._instants.append(Instant(log, frame, looks, sides, self.edges))
-        self._seen, self._looks, self._told = set(), list(self.headings), ([], [])
-        return frame
-
     def _narrow(self, frame: Frame, record: Record) -> None:
-        """Check the headings of one record against all that is known so far, and take them over."""
+        """Check the headings of one record against all that is known so far, and take them over; or that there are none."""
+        if "empty" in record:
+            self.is_empty = self.is_empty or self.sides.are_torn(frame, self._looks)
+            if not self.is_empty:
+                raise Broken("headings that agree, where none is said to be left")
+            return
         claimed = [
             arc_around(float(exact(centre)), float(exact(bound)))
             for centre, bound in zip(record["centre"], record["bound"], strict=True)
@@ -171,11 +130,7 @@ class Chain:
     def _claim(self, line: Record) -> None:
         pair, normal, offset = (line["from"], line["robot"]), plane(line["normal"]), exact(line["offset"])
         for edges in (self.edges, self.shown):
-            _add(edges, pair, normal, offset)
-
-    def _support(self, number: int, body: int, normal: Vector) -> Fraction:
-        motions = self._history[number]
-        return motions[body].support(normal) if motions else Fraction(0)
+            add(edges, pair, normal, offset)
 
     def _check_boxes(self, line: Record) -> None:
         """Check the box of every robot that a line names: moved with it, or where it was put, cut by edges and the arena."""
@@ -196,7 +151,7 @@ class Chain:
                 offset = sign * exact(line[side][text][k])
                 if offset < needed:
                     raise Broken(f"the {side} side of robot {robot}'s box lies {float(needed - offset):.3g} m too far inside")
-                _add(self.edges, (WORLD, robot), normal, offset)
+                add(self.edges, (WORLD, robot), normal, offset)
             self.links["boxes, from edges, motion and the arena"] += 1
 
     def _begun(self, robot: int, normal: Vector) -> Fraction | None:
@@ -224,51 +179,6 @@ class Chain:
         if link is None:
             raise Broken(f"a row on {shown(pair)} follows from nothing known; it says it is of {shown(source)}")
         self.links[link] += 1
-
-    def _number(self, time: float) -> int:
-        """Return the number of the frame of a time [s]."""
-        number = self._numbers.get(time, len(self._proved))
-        if number >= len(self._proved):
-            raise Broken(f"a row of t = {time} s, which is no frame so far")
-        return number
-
-    def _of_edges(self, pair: tuple[int, int], normal: Vector, offset: Fraction, taken: int) -> str | None:
-        """Return why a row holds, if it is an edge proved in this step or in one before, or goes through a corner."""
-        edge = self.edges.get(pair, {}).get(normal)
-        if edge is not None and edge <= offset:
-            return "rows that are edges proved in the same step"
-        before = self._proved[taken] if taken >= 0 else {}
-        grown = self._growth((*pair, normal, taken)) if pair in before else None
-        if grown is None:
-            return None
-        then = offset - grown
-        edge = before[pair].get(normal)
-        if edge is not None and edge <= then:
-            return "rows that are edges of an earlier step, moved"
-        corner = through_corner(all_edges(before, pair), normal, then)
-        return "rows through corners of an earlier step, moved" if corner is not None and corner <= then else None
-
-    def _growth(self, row: tuple[int, int, Vector, int]) -> Fraction | None:
-        """Return how much a row has moved outward since the frame that it was measured or proved at.
-
-        None if one of its robots was put somewhere since: of where it is now the row says nothing.
-        """
-        i, j, normal, taken = row
-        if taken < max(self._placed[body] for body in (i, j) if body >= 0):
-            return None
-        number, total = self._grown.get(row, (taken, Fraction(0)))
-        back = (-normal[0], -normal[1])
-        for later in range(number + 1, len(self._history)):
-            total += self._support(later, j, normal) + (self._support(later, i, back) if i >= 0 else 0)
-        self._grown[row] = len(self._history) - 1, total
-        return total
-
-
-def _add(edges: Edges, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
-    known = edges.setdefault(pair, {})
-    known[normal] = min(offset, known.get(normal, offset))
-    if len(known) > MOST:
-        raise Broken(f"more than {MOST} edges of {pair} in one step")
 
 
 def _degrees(arc: Arc) -> str:

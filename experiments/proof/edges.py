@@ -10,6 +10,7 @@ from experiments.proof.reading import Broken, exact
 
 SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
 WORLD = -1
+MOST = 1000  # edges of one robot or pair in a step: any two of them may prove something
 TRIED = 9  # pairs of edges: where some are almost parallel, floats err
 ALMOST = 1e-9  # a normal that is parallel to an edge, but for so much, may be to either side of it
 Exact = TypeVar("Exact", int, Fraction)
@@ -32,6 +33,14 @@ def unit_normal(normal: Any) -> Vector:
     if not Fraction(1, 4) <= x * x + y * y <= 4:
         raise Broken(f"a normal of length 1 was expected, not ({float(x):.6g}, {float(y):.6g})")
     return x, y
+
+
+def add(edges: Edges, pair: tuple[int, int], normal: Vector, offset: Fraction) -> None:
+    """Take in an edge of a robot or a pair; raises `Broken` if it has too many."""
+    known = edges.setdefault(pair, {})
+    known[normal] = min(offset, known.get(normal, offset))
+    if len(known) > MOST:
+        raise Broken(f"more than {MOST} edges of {pair} in one step")
 
 
 def all_edges(proved: Edges, pair: tuple[int, int]) -> dict[Vector, Fraction]:

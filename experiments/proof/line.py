@@ -3,6 +3,7 @@
 It claims: for every x with lower <= x <= upper that satisfies the rows, normal . (x_robot - x_from) <= offset, or of x_robot
 alone where `from` is -1. With its multipliers y >= 0 of the rows A x <= b, and c the normal in the robots' coordinates,
 c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; it is proved if that is no greater than its offset.
+An `empty` line claims that there is no such x: with c = 0 that is below 0, or the box is empty.
 """
 
 from fractions import Fraction
@@ -18,6 +19,8 @@ def check(line: Record) -> Fraction:
         Broken: It is greater.
     """
     proved = greatest(line)
+    if "empty" in line and proved >= 0:
+        raise Broken("its rows do not exclude one another")
     excess = proved - exact(line["offset"])
     if excess > 0:
         raise Broken(f"its rows prove an offset that is greater by {float(excess):.3g} m")
@@ -33,7 +36,10 @@ def greatest(line: Record) -> Fraction:
     for i, j in ((line["from"], line["robot"]), *((row["i"], row["j"]) for row in line["rows"])):
         if not (type(i) is type(j) is int and WORLD <= i < j):
             raise Broken(f"a pair {shown(i)}, {shown(j)} that is none, or in the wrong order")
-    for one in (line, *line["rows"]):
+    is_empty = "empty" in line
+    if is_empty and (line["from"] != WORLD or any(map(exact, line["normal"]))):
+        raise Broken("an empty line that is about something")
+    for one in line["rows"] if is_empty else (line, *line["rows"]):
         unit_normal(one["normal"])
     rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
     if line["from"] != WORLD:
@@ -49,6 +55,8 @@ def greatest(line: Record) -> Fraction:
                 rest[body, k] = rest.get((body, k), Fraction(0)) - sign * multiplier * exact(value)
     for (body, k), value in rest.items():
         lower, upper = exact(line["lower"][str(body)][k]), exact(line["upper"][str(body)][k])
+        if lower > upper and is_empty:
+            return Fraction(-1)
         if lower > upper:
             raise Broken("a box without a point")
         total += value * (upper if value > 0 else lower)

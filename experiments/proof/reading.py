@@ -153,17 +153,17 @@ class Feed:
         self._name, self._records = path.name, records(path, on_read)
         self._waiting = next(self._records, None)
 
-    def at(self, time: float) -> list[tuple[str, Record]]:
+    def at(self, time: float, least: int = 1) -> list[tuple[str, Record]]:
         """Return the next records, as many as are of this time [s], with their places.
 
         Raises:
-            Broken: There is none, or one is of another version.
+            Broken: There are too few, or one is of another version.
         """
         found = []
         while self._waiting is not None and self._time(*self._waiting) == time:
             found.append(self._waiting)
             self._waiting = next(self._records, None)
-        if found:
+        if len(found) >= least:
             return found
         came = "the file ends" if self._waiting is None else f"{self._waiting[0]} is of another time"
         raise Broken(f"{self._name}: there is nothing for the log's frame at t = {time} s: {came}")

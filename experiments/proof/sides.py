@@ -6,11 +6,12 @@ sensors are mounted, what is meant is the place of one sensor, as seen from anot
 """
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from fractions import Fraction
 
 from experiments.proof.arms import Two, beyond
 from experiments.proof.edges import WORLD, plane
-from experiments.proof.exact import Arc, Vector, half_circle, in_common
+from experiments.proof.exact import Arc, Vector, are_apart, half_circle, in_common
 from experiments.proof.given.frame import MATES, Frame
 from experiments.proof.given.sensors import CENTRE, Mounts
 from experiments.proof.reading import Broken, Record, exact, shown
@@ -27,6 +28,12 @@ class Sides:
     def __init__(self, robots: int, landmarks: Sequence[Vector], mounts: Mounts | None = None) -> None:
         self._robots, self._landmarks, self._mounts = robots, landmarks, mounts or Mounts({})
         self._arcs: dict[tuple[int, int, int, int], Arc] = {}  # of both bodies, and of spots on them
+
+    def copy(self) -> "Sides":
+        """Return the same, to be added to."""
+        other = copy(self)
+        other._arcs = dict(self._arcs)
+        return other
 
     def add(self, line: Record, offset: Fraction, looks: Sequence[Arc] = ()) -> None:
         """Take in a line, and the offset that it proves; its `side` is the robot or landmark that it is about, robots first.
@@ -62,6 +69,13 @@ class Sides:
         """Return how robots that look so can look by compasses, bearings, and what they see of each other's headings."""
         told = [[*compasses(frame, robot), *self.headings(frame, robot)] for robot in range(len(looks))]
         return tied(frame, [in_common(*each) for each in zip(looks, told, strict=True)])
+
+    def are_torn(self, frame: Frame, looks: Sequence[Arc]) -> bool:
+        """Return whether robots that look so have, for sure, one whose heading nothing is left of by all of that."""
+        left = self.looking(frame, looks)
+        told = [(robot, [*compasses(frame, robot), *self.headings(frame, robot)]) for robot in range(len(left))]
+        told += [(mate, [left[robot].widened(value, bound)]) for robot, mate, value, bound in _ties(frame)]
+        return any(are_apart(left[robot], arc) for robot, arcs in told for arc in arcs)
 
     def headings(self, frame: Frame, robot: int) -> list[Arc]:
         """Return where a robot can look, by each of its bearings to a target whose direction is known."""

@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 from filter.diagnosis.told import Records, counted, signature, without
 from filter.errors import Inconsistent
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Hypothesis, Used
+from filter.sets.belief import Belief, Hypothesis, Tried, Used
 from filter.sets.suspect import Suspect
+
+Found = tuple[Hypothesis | None, Tried]  # a hypothesis, None if it cannot be, and what came of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,6 +18,7 @@ class Strict:
 
     Attributes:
         robots: How many there are.
+        suspects_all: Whether everybody is suspected in a conflict.
         words: Says something with the names of the team.
         anywhere: Returns the belief in which a robot is anywhere, with any heading.
         predict: Returns the belief at a later time [s]; an error names what is in conflict.
@@ -26,6 +29,7 @@ class Strict:
     """
 
     robots: int
+    suspects_all: bool
     words: Callable[[object], str]
     anywhere: Callable[[Belief, int], Belief]
     predict: Callable[[Belief, float, Odometry | None], Belief]
@@ -46,38 +50,41 @@ class Strict:
         return belief
 
 
-def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | None:
-    """Return a hypothesis at a later time [s]; None if that cannot be."""
+def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry | None, *, is_early: bool) -> Hypothesis | Tried:
+    """Return a hypothesis at a later time [s]; why not, if that cannot be."""
+    (suspect, *_), each = each.suspects, replace(each, unites=(), anew=frozenset())
     try:
         return replace(each, belief=strict.predicted(each.belief, time, odometry))
-    except Inconsistent:
-        (suspect, *_) = each.suspects
+    except Inconsistent as error:
         if not (is_early and suspect.kind == "past") or each.is_over:
-            return None
-    return replace(each, belief=strict.wander(each.belief, time, odometry, {suspect.who[1]}))
+            return Tried(each.name, each.name, each.suspects, (), end=(time, error.evidence))
+    lost = frozenset({suspect.who[1]})
+    return replace(each, belief=strict.wander(each.belief, time, odometry, lost), anew=lost)
 
 
-def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool) -> list[Hypothesis]:
-    """Return a hypothesis after measurements of its time: one for each of its suspects that leave out others; none for none."""
+def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool) -> list[Found]:
+    """Return a hypothesis after measurements and what came of it, for each of its suspects that leave out others."""
     groups, left = dict[object, list[Suspect]](), dict[object, Records]()
-    if each.is_over:
-        belief = _merged(strict, each.belief, each.suspects[0], records, is_early=False)
-        return [] if belief is None else [_further(each, belief, each.suspects, counted(each.used, records))]
     for suspect in each.suspects:
-        some = without(suspect, records)
+        some = records if each.is_over else without(suspect, records)
         groups.setdefault(signature(some), []).append(suspect)
         left[signature(some)] = some
-    found = list[Hypothesis]()
-    for case, suspects in groups.items():
-        belief = _merged(strict, each.belief, suspects[0], left[case], is_early=is_early)
-        if belief is not None:
-            found.append(_further(each, belief, suspects, used_by(each.used, suspects[0], left[case])))
+    found = list[Found]()
+    for number, (case, suspects) in enumerate(groups.items(), 1):
+        name = each.name if len(groups) == 1 else f"{each.name}.{number}"
+        begun = Tried(name, each.name, tuple(suspects), (), each.anew)
+        tried = _merged(strict, begun, each.belief, left[case], is_early=is_early and not each.is_over)
+        used = counted(each.used, records) if each.is_over else used_by(each.used, suspects[0], left[case])
+        found.append(_further(each, tried, used))
     return found
 
 
-def _further(each: Hypothesis, belief: Belief, suspects: Sequence[Suspect], used: Used) -> Hypothesis:
-    """Return a hypothesis after measurements, of those of its suspects that leave out the same."""
-    return replace(each, suspects=tuple(suspects), belief=belief, used=used, agreed=each.agreed and belief.agrees)
+def _further(each: Hypothesis, tried: Tried, used: Used) -> Found:
+    """Return a hypothesis after what came of it, if it can be, and that."""
+    if tried.end:
+        return None, tried
+    belief, *_ = (*tried.beliefs, each.belief)
+    return Hypothesis(tried.suspects, belief, used, each.is_over, each.agreed and belief.agrees, tried.name), tried
 
 
 def used_by(used: Used, suspect: Suspect, left: Records) -> Used:
@@ -93,8 +100,8 @@ def as_told(each: Hypothesis) -> Used:
     return {who: count for who, count in each.used.items() if who[2] not in suspect.who[1:]}
 
 
-def right_again(strict: Strict, each: Hypothesis, suspects: Sequence[Suspect], records: Records) -> list[Hypothesis]:
-    """Return what is known if some of a hypothesis were wrong and are right by now; none if what they say now leaves nothing.
+def right_again(strict: Strict, each: Hypothesis, suspects: Sequence[Suspect], records: Records) -> list[Found]:
+    """Return what is known if some of a hypothesis were wrong and are right by now, if that can be, and what came of it.
 
     Args:
         strict: What the strict filter does.
@@ -102,21 +109,26 @@ def right_again(strict: Strict, each: Hypothesis, suspects: Sequence[Suspect], r
         suspects: Who is right again; none, and nothing is.
         records: All measurements of its time.
     """
-    belief: Belief | None = each.belief
-    if suspects and signature(without(suspects[0], records)) != signature(records):
-        belief = _merged(strict, each.belief, suspects[0], records, is_early=False)
-    if belief is None or not suspects:
+    if not suspects:
         return []
-    return [replace(_further(each, belief, suspects, as_told(each)), is_over=True)]
+    # Those that are left of it have a name of their own, and are fewer each time.
+    tried = Tried(f"{each.name}+{len(each.suspects)}", each.name, tuple(suspects), (), is_again=True)
+    if signature(without(suspects[0], records)) != signature(records):
+        tried = _merged(strict, tried, each.belief, records, is_early=False)
+    return [_further(replace(each, is_over=True), tried, as_told(each))]
 
 
-def _merged(strict: Strict, belief: Belief, suspect: Suspect, records: Records, *, is_early: bool) -> Belief | None:
+def _merged(strict: Strict, tried: Tried, belief: Belief, records: Records, *, is_early: bool) -> Tried:
+    """Return what comes of records where a belief holds, if a past may be wrong still from that of a robot anywhere."""
+    found, suspect = _after(strict, tried, belief, records), tried.suspects[0]
+    if not (found.end and is_early and suspect.kind == "past"):
+        return found
+    lost = replace(tried, anew=frozenset({suspect.who[1]}))
+    return _after(strict, lost, strict.anywhere(belief, suspect.who[1]), records)
+
+
+def _after(strict: Strict, tried: Tried, belief: Belief, records: Records) -> Tried:
     try:
-        return strict.updated(belief, records)
-    except Inconsistent:
-        if not (is_early and suspect.kind == "past"):
-            return None
-    try:
-        return strict.updated(strict.anywhere(belief, suspect.who[1]), records)
-    except Inconsistent:
-        return None
+        return replace(tried, beliefs=(strict.updated(belief, records),))
+    except Inconsistent as error:
+        return replace(tried, end=(belief.time, error.evidence))

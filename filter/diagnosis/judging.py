@@ -12,16 +12,16 @@ import numpy as np
 from filter.arrays import Array
 from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import is_enough
-from filter.diagnosis.hypotheses import Strict, as_told, merged, moved_on, right_again
+from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again
 from filter.diagnosis.replays import tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
-from filter.diagnosis.suspects import suspects_of
+from filter.diagnosis.suspects import everybody, suspects_of
 from filter.diagnosis.told import Records, signature, without, without_robots
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.projection.fallback import Fallback
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial
+from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial, Tried
 from filter.sets.suspect import Doubted, Judged, Passed, Suspect
 
 RENEWED = 3  # for so many updates after a conflict the odometry of a robot may go on being wrong
@@ -40,8 +40,10 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
     """
     since = diagnosis.recent[0].before.time
     frames = [frame for each in diagnosis.recent for frame in each.frames]
-    suspects = suspects_of(conflict, frames, strict.robots, since)
-    living = tried_again(strict, diagnosis.recent, suspects, suspects_of(conflict, (), strict.robots, since))
+    suspects, named = (suspects_of(conflict, some, strict.robots, since) for some in (frames, ()))
+    if strict.suspects_all:  # of each it is asked why not: so none are tried together
+        suspects = named = everybody(frames, set(range(strict.robots)) - belief.guarantee.away, strict.robots, since)
+    living, tried = _both(tried_again(strict, diagnosis.recent, suspects, named))
     begun = replace(
         diagnosis,
         recent=(),
@@ -52,6 +54,7 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
         instants=0,
         by_proof=True,
         aside=tuple(replace(trial, belief=None) for trial in diagnosis.aside),
+        tried=tried,
     )
     if not living:
         if belief.time == frames[-1].time:
@@ -63,9 +66,10 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
 def predicted(strict: Strict, belief: Belief, diagnosis: Diagnosis, time: float, odometry: Odometry | None) -> Belief:
     """Return what is known in a doubt at a later time [s]."""
     is_early = diagnosis.instants < RENEWED
-    tried = [moved_on(strict, each, time, odometry, is_early=is_early) for each in diagnosis.hypotheses]
-    living = tuple(each for each in tried if each is not None)
-    now = replace(diagnosis, hypotheses=living, metres=driven(diagnosis.metres, odometry, strict.robots))
+    found = [moved_on(strict, each, time, odometry, is_early=is_early) for each in diagnosis.hypotheses]
+    living = tuple(each for each in found if isinstance(each, Hypothesis))
+    tried, metres = tuple(each for each in found if isinstance(each, Tried)), driven(diagnosis.metres, odometry, strict.robots)
+    now = replace(diagnosis, hypotheses=living, metres=metres, tried=tried)
     if not living:
         later = _elsewhere(strict, belief, time)
         return more_is_wrong(strict, later, (), now, Wrong(diagnosis.suspects, everybody=True))
@@ -76,12 +80,18 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     """Return what is known in a doubt after measurements of its time. Robots that start over are not listened to meanwhile."""
     heard = without_robots({trial.suspect.who[1] for trial in diagnosis.suspended}, records) if diagnosis.suspended else records
     is_early = diagnosis.instants < RENEWED
-    living = tuple(chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses))
-    now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1)
+    found = chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses)
+    living, tried = _both(tuple(found))
+    now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1, tried=diagnosis.tried + tried)
     if not living:
         more: list[Suspect | Source] = [*diagnosis.suspects, *_conflicts(strict, diagnosis.hypotheses, heard)]
         return more_is_wrong(strict, belief, heard, now, Wrong(more))
     return judged(strict, now, innocent(diagnosis, living, belief.time), heard)
+
+
+def _both(found: Sequence[Found]) -> tuple[tuple[Hypothesis, ...], tuple[Tried, ...]]:
+    """Return the hypotheses that can be, and what came of all."""
+    return tuple(each for each, _ in found if each is not None), tuple(tried for _, tried in found)
 
 
 def _conflicts(strict: Strict, hypotheses: Sequence[Hypothesis], records: Records) -> tuple[Source, ...]:
@@ -120,10 +130,10 @@ def judged(
     strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...], heard: Records = (), *, ends: bool = True
 ) -> Belief:
     """Return what is known in a doubt, or at the end of it if there is but one hypothesis left; by evidence, too."""
-    living, freed = _acquitted(strict, diagnosis, heard) if ends else (diagnosis.hypotheses, ())
-    time = living[0].belief.time
+    found, freed = _acquitted(strict, diagnosis, heard) if ends else (diagnosis, ())
+    living, time = found.hypotheses, found.hypotheses[0].belief.time
     events += tuple(Judged(time, suspect, "acquitted", "evidence") for suspect in freed)
-    now = replace(diagnosis, hypotheses=living, by_proof=diagnosis.by_proof and not freed)
+    now = replace(found, by_proof=diagnosis.by_proof and not freed)
     if ends and len(living) == 1:
         return _settled(strict, now, events)
     cover = cover_of([each.belief for each in living])
@@ -132,22 +142,23 @@ def judged(
     return replace(cover, guarantee=guarantee, events=events + fallbacks, diagnosis=now)
 
 
-def _acquitted(strict: Strict, diagnosis: Diagnosis, heard: Records) -> tuple[tuple[Hypothesis, ...], tuple[Suspect, ...]]:
-    """Return the hypotheses, and who is acquitted, as another one has used what they say: they are listened to from now on.
+def _acquitted(strict: Strict, diagnosis: Diagnosis, heard: Records) -> tuple[Diagnosis, tuple[Suspect, ...]]:
+    """Return a diagnosis, and who is acquitted, as another one has used what they say: they are listened to from now on.
 
     They can have been wrong when the doubt began: so what is known in that case stays, as one hypothesis of all who are right
     again. Where nothing would be left nobody is acquitted, as that is evidence against all.
     """
     metres = np.zeros(0) if diagnosis.metres is None else diagnosis.metres
     freed = tuple(suspect for suspect in diagnosis.suspected if _agrees(suspect, diagnosis.hypotheses, metres))
-    left, over = list[Hypothesis](), [each for each in diagnosis.hypotheses if each.is_over]
+    left, over, tried = list[Hypothesis](), [each for each in diagnosis.hypotheses if each.is_over], diagnosis.tried
     for each in diagnosis.hypotheses:
         if not each.is_over:
             right, wrong = ([one for one in each.suspects if (one in freed) == so] for so in (True, False))
-            over += right_again(strict, each, right, heard)
+            again, came = _both(right_again(strict, each, right, heard))
+            over, tried = [*over, *again], tried + came
             left += [replace(each, suspects=tuple(wrong))] if wrong else []
     living = (*left, *_joined(over))
-    return (living, freed) if living else (diagnosis.hypotheses, ())
+    return (replace(diagnosis, hypotheses=living, tried=tried), freed) if living else (diagnosis, ())
 
 
 def _agrees(suspect: Suspect, hypotheses: Sequence[Hypothesis], metres: Array) -> bool:
@@ -166,7 +177,8 @@ def _joined(over: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     used = reduce(and_, (Counter(each.used) for each in over))
     suspects = tuple(chain.from_iterable(each.suspects for each in over))
     around, agreed = cover_of([each.belief for each in over]), all(each.agreed for each in over)
-    return (Hypothesis(suspects, around, used, is_over=True, agreed=agreed),)
+    names = tuple(each.name for each in over)
+    return (Hypothesis(suspects, around, used, is_over=True, agreed=agreed, name=f"{names[0]}+", unites=names),)
 
 
 def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) -> Belief:
@@ -175,7 +187,7 @@ def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) ->
     if last.is_over:
         guarantee = last.belief.guarantee.under(assumption(strict, 0.0, (), diagnosis.aside))
         end = Passed(last.belief.time, diagnosis.since, diagnosis.suspects)
-        now = Diagnosis(aside=diagnosis.aside, suspended=diagnosis.suspended)
+        now = Diagnosis(aside=diagnosis.aside, suspended=diagnosis.suspended, tried=diagnosis.tried, left=last)
         return replace(last.belief, guarantee=guarantee, events=(*events, end, *last.belief.events), diagnosis=now)
     culprit = min(last.suspects, key=lambda suspect: (NAMED_FIRST.index(suspect.kind), suspect.who))
     culprit, implied = _by_all(culprit, [trial.suspect for trial in diagnosis.aside])
@@ -184,7 +196,7 @@ def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) ->
     if culprit.kind != "past":
         aside += (Trial(culprit, last.belief.time, None, {}, np.zeros(strict.robots)),)
     guarantee = last.belief.guarantee.under(assumption(strict, diagnosis.since, (), aside))
-    now = Diagnosis(aside=aside, suspended=diagnosis.suspended)
+    now = Diagnosis(aside=aside, suspended=diagnosis.suspended, tried=diagnosis.tried, left=last)
     return replace(last.belief, guarantee=guarantee, events=(*events, verdict, *last.belief.events), diagnosis=now)
 
 

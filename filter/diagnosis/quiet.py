@@ -21,7 +21,7 @@ MEMORY = 5  # so many instants are tried again after a conflict
 def remembered(diagnosis: Diagnosis, before: Belief, frames: tuple[Frame, ...]) -> Diagnosis:
     """Return a diagnosis with what came at an instant, or at several at once, after what was known before."""
     last = Recent(replace(before.alone, moved=None), frames)
-    return replace(diagnosis, recent=(*diagnosis.recent, last)[-MEMORY:])
+    return replace(diagnosis, recent=(*diagnosis.recent, last)[-MEMORY:], tried=(), left=None)
 
 
 def _heard(diagnosis: Diagnosis, belief: Belief, records: Records) -> Diagnosis:

@@ -1,12 +1,13 @@
 """The last instants, tried again without each suspect, or without many at once: most of them can be excluded together."""
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
 
-from filter.diagnosis.hypotheses import Strict, used_by
+from filter.diagnosis.hypotheses import Found, Strict, used_by
 from filter.diagnosis.told import Records, Who, signature, without, without_all
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
-from filter.sets.belief import Belief, Hypothesis, Recent
+from filter.sets.belief import Belief, Hypothesis, Recent, Tried
 from filter.sets.suspect import Suspect
 
 # Who leaves out more comes first.
@@ -17,14 +18,15 @@ ALONE = ("past", "sighting")
 
 def tried_again(
     strict: Strict, recent: Sequence[Recent], suspects: Sequence[Suspect], named: Collection[Suspect]
-) -> tuple[Hypothesis, ...]:
-    """Return what is known after the last instants if one of the suspects is wrong, in each case that is not proved empty.
+) -> tuple[Found, ...]:
+    """Return what is known after the last instants if one of the suspects is wrong, in each case, and what came of it.
 
     Args:
         strict: What the strict filter does.
         recent: The last instants.
         suspects: Who can be wrong.
-        named: Those of them who have a part in the conflict itself: one of these it is, most often.
+        named: Those of them who have a part in the conflict itself: one of these it is, most often. With others some
+            may be tried together: of these nothing is told.
 
     Algorithm:
         Whoever leaves out less than what leaves a contradiction leaves one, too: each of many who leave one together, and a
@@ -34,7 +36,7 @@ def tried_again(
     ordered = sorted(suspects, key=lambda each: (TRIED_FIRST.index(each.kind), each.who))
     others = [each for each in ordered if each not in named and each.kind not in ALONE]
     dead = {each.who for each in others} - {each.who for each in _not_excluded(strict, before, frames, others)}
-    cases, known = dict[object, list[Suspect]](), dict[object, Belief | None]()
+    cases, known = dict[object, list[Suspect]](), dict[object, Tried]()
     for suspect in ordered:
         if suspect.who in dead or _is_implied(suspect, dead):
             continue
@@ -42,14 +44,22 @@ def tried_again(
         case = suspect.who if suspect.kind == "past" else tuple(map(signature, left))
         if case not in known:
             known[case] = _replayed(strict, before, frames, left, suspect.who[1] if suspect.kind == "past" else None)
-        if known[case] is None:
+        if known[case].end:
             dead.add(suspect.who)
         cases.setdefault(case, []).append(suspect)
+    numbered = enumerate(cases.items(), 1)
     return tuple(
-        Hypothesis(tuple(some), belief, used_by({}, some[0], _leavings(some[0], frames[-1:])[0]), agreed=belief.agrees)
-        for case, some in cases.items()
-        if (belief := known[case]) is not None
+        _begun(replace(known[case], name=str(number), suspects=tuple(some)), frames) for number, (case, some) in numbered
     )
+
+
+def _begun(tried: Tried, frames: Sequence[Frame]) -> Found:
+    """Return the hypothesis after some instants, if it can be, and what came of it."""
+    if tried.end:
+        return None, tried
+    suspect, belief = tried.suspects[0], tried.beliefs[-1]
+    used = used_by({}, suspect, _leavings(suspect, frames[-1:])[0])
+    return Hypothesis(tried.suspects, belief, used, agreed=belief.agrees, name=tried.name), tried
 
 
 def _not_excluded(strict: Strict, before: Belief, frames: Sequence[Frame], suspects: Sequence[Suspect]) -> list[Suspect]:
@@ -57,7 +67,7 @@ def _not_excluded(strict: Strict, before: Belief, frames: Sequence[Frame], suspe
     if len(suspects) <= 1:
         return list(suspects)
     left = [_without_them(suspects, tuple(frame.measurements)) for frame in frames]
-    if _replayed(strict, before, frames, left) is None:
+    if _replayed(strict, before, frames, left).end:
         return []
     half = len(suspects) // 2
     return [one for some in (suspects[:half], suspects[half:]) for one in _not_excluded(strict, before, frames, some)]
@@ -84,16 +94,17 @@ def _without_them(suspects: Iterable[Suspect], records: Records) -> Records:
 
 def _replayed(
     strict: Strict, before: Belief, frames: Sequence[Frame], left: Sequence[Records], wandering: int | None = None
-) -> Belief | None:
-    """Return what is known after instants of which so much is left, with a robot anywhere in each; None if that cannot be."""
-    belief = before
-    try:
-        for frame, records in zip(frames, left, strict=True):
+) -> Tried:
+    """Return what comes of instants of which so much is left, with a robot anywhere in each."""
+    belief, found = before, list[Belief]()
+    for frame, records in zip(frames, left, strict=True):
+        try:
             if wandering is not None:
                 belief = strict.wander(belief, frame.time, frame.odometry, {wandering})
             elif frame.time != belief.time or frame.odometry is not None:
                 belief = strict.predicted(belief, frame.time, frame.odometry)
             belief = (strict.updated if frame is frames[-1] else strict.briefly)(belief, records)
-    except Inconsistent:
-        return None
-    return belief
+        except Inconsistent as error:
+            return Tried("", "", (), tuple(found), end=(frame.time, error.evidence))
+        found.append(belief)
+    return Tried("", "", (), tuple(found))

@@ -1,12 +1,12 @@
 """The set-membership filter: the strict one, that can go on after a conflict, with all that can be the case."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from filter.arrays import Integers, shown
+from filter.arrays import Integers, checked, instance, shown
 from filter.diagnosis import judging, quiet
 from filter.diagnosis.cover import cover_of, hulls_of
 from filter.diagnosis.hypotheses import Strict
@@ -38,9 +38,12 @@ class SetMembershipFilter(TolerantFilter):
     Attributes:
         policy: What to do when measurements are proved to disagree: "raise"; or "reject" what is wrong: go on with what is
             known whichever one thing that is, until it is found out, then without that.
+        suspects_all: Whether in a conflict all are suspected who said anything in the last instants, as certificates ask for;
+            otherwise whom the conflict names, and those behind what was known, which takes less time.
     """
 
     policy: Policy = "raise"
+    suspects_all: bool = field(default=False, metadata=checked(instance, "suspects_all", bool))
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -137,7 +140,8 @@ class SetMembershipFilter(TolerantFilter):
         def predicted(belief: Belief, time: float, odometry: Odometry | None) -> Belief:
             return self._predicted(replace(belief, moved=None), (time, odometry), self.team.arena)
 
-        return Strict(self.team.robots, self.team.words, self._anywhere, super().predict, predicted, updated, briefly, named)
+        known = self.team.robots, self.suspects_all, self.team.words
+        return Strict(*known, self._anywhere, super().predict, predicted, updated, briefly, named)
 
     def _anywhere(self, belief: Belief, robot: int) -> Belief:
         """Return the belief in which a robot is anywhere in the arena; where it is open, far around all that is known."""

@@ -1,6 +1,6 @@
 """Who can be wrong in a conflict: all parts of it stand for somebody, and one of these is it, if only one is."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from filter.diagnosis.told import Who, said
 from filter.linear.sources import Source
@@ -30,6 +30,12 @@ def suspects_of(conflict: Iterable[Source], frames: Sequence[Frame], robots: int
     for some in told:
         found |= _behind(pasts, some, robots, since)
     return tuple(sorted(found, key=lambda suspect: suspect.who))
+
+
+def everybody(frames: Sequence[Frame], there: Collection[int], robots: int, since: float) -> tuple[Suspect, ...]:
+    """Return who can be wrong since a time [s], whatever the conflict: the pasts of robots there, and all who said anything."""
+    pasts = [Source("region", since, robot) for robot in sorted(there)]
+    return suspects_of(pasts, [*frames, Frame(frames[-1].time)], robots, since)
 
 
 def _of_a_sighting(robot: int, target: int | None, robots: int, since: float) -> set[Suspect]:

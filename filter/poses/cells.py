@@ -242,7 +242,7 @@ class Scene(Frozen):
         while done < len(robots) and nowhere < 0 and not is_over():
             end = min(done + AT_A_TIME, len(robots))
             nowhere = in_turn((done, end), starts, heard, sets, found)
-            done = end
+            done = end if nowhere < 0 else nowhere + 1
         cases = Cases(self.known, self.sources, self.told, robots[:done], found.first(done), mine)
         return cases, -1 if nowhere < 0 else int(robots[nowhere])
 

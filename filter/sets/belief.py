@@ -113,26 +113,6 @@ class Belief:
         found = replace(self.found, cause=now[cause]) if self.found else None
         return replace(self, polytope=polytope, found=found, sources=self.sources.select(np.flatnonzero(used)))
 
-    def with_robot(self, robot: int, alone: Belief) -> Belief:
-        """Return what is known if one robot is what another belief says of its only one, whatever was known of it before."""
-        table, number = self.sources.extended("initial set", self.time, [robot])
-        mine, of_others = alone.polytope, (self.constraints.i != robot) & (self.constraints.j != robot)
-        whole = np.ones(len(mine.constraints), dtype=np.int64)
-        own = replace(mine.constraints, j=robot * whole, source=number * whole)
-        lower, upper, origin = self.polytope.lower.copy(), self.polytope.upper.copy(), self.polytope.origin.copy()
-        lower[robot], upper[robot], origin[robot] = mine.lower[0], mine.upper[0], number[0]
-        rows = Constraints.concatenate([self.constraints.select(of_others), own])
-        headings, slices = self.headings.replaced(np.array([robot]), alone.headings), self.slices.without(np.array([robot]))
-        here, polytope = self.guarantee.with_again(robot), Polytope(rows, lower, upper, origin)
-        return Belief(self.time, polytope, headings, table, here, slices=slices).compact()
-
-    def without_robot(self, robot: int) -> Belief:
-        """Return what is known if one robot is away: what tied others to it is gone."""
-        tied = (self.constraints.i == robot) | ((self.constraints.i != WORLD) & (self.constraints.j == robot))
-        polytope = self.polytope.with_constraints(self.constraints.select(~tied))
-        slices = self.slices.without(np.array([robot]))
-        return Belief(self.time, polytope, self.headings, self.sources, self.guarantee.without(robot), slices=slices).compact()
-
     @property
     def constraints(self) -> Constraints:
         """The polytope's rows."""
@@ -216,6 +196,9 @@ class Hypothesis:
         used: What was merged since the doubt began.
         is_over: Whether it was wrong, and is right again by evidence: it is listened to.
         agreed: Whether nobody had to lie meanwhile of those whose lies are tolerated: else it is no evidence for anybody.
+        name: By which those that follow from it tell it from others.
+        unites: Names of those that it was just made from, as it contains each of them; none where it follows from one.
+        anew: Robots that were anywhere since the last update.
     """
 
     suspects: tuple[Suspect, ...]
@@ -223,6 +206,32 @@ class Hypothesis:
     used: Used = field(default_factory=dict)
     is_over: bool = False
     agreed: bool = True
+    name: str = ""
+    unites: tuple[str, ...] = ()
+    anew: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """What came of a hypothesis in one step: what is needed to prove it again.
+
+    Attributes:
+        name: The hypothesis.
+        parent: The one that it follows from; empty for what was known before the first instant.
+        suspects: One of these is wrong in it.
+        beliefs: After each instant that it was taken through, with their proofs.
+        anew: Robots that were anywhere at the last instant.
+        end: When nothing was left of it [s], and why; None if something is.
+        is_again: Whether its suspects are right again, and what they say was heard, too; without beliefs if that was nothing.
+    """
+
+    name: str
+    parent: str
+    suspects: tuple[Suspect, ...]
+    beliefs: tuple[Belief, ...]
+    anew: frozenset[int] = frozenset()
+    end: tuple[float, tuple[Evidence, ...]] | None = None
+    is_again: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,6 +267,8 @@ class Diagnosis:
         by_proof: Whether all who are no longer suspected would leave a contradiction.
         aside: Who is not listened to.
         suspended: Robots that start over.
+        tried: What came of each hypothesis in the last step, in the time of a doubt.
+        left: The one that was left, if the doubt has just ended.
     """
 
     recent: tuple[Recent, ...] = ()
@@ -269,6 +280,8 @@ class Diagnosis:
     by_proof: bool = True
     aside: tuple[Trial, ...] = ()
     suspended: tuple[Trial, ...] = ()
+    tried: tuple[Tried, ...] = ()
+    left: Hypothesis | None = None
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:

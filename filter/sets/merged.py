@@ -27,6 +27,7 @@ class Directions(Frozen):
         moves: Where robots have gone since the readings; None if these are of one instant.
         arms: From the places of sensors to the centres of robots; None if all readings are taken at centres.
         before: The same as it was known for the directions of bearings.
+        is_torn: Whether of some robot's heading, or of its poses, nothing is left; the headings are those before, then.
     """
 
     readings: Readings
@@ -38,6 +39,7 @@ class Directions(Frozen):
     moves: Moves | None = None
     arms: Arms | None = None
     before: Arms | None = None
+    is_torn: bool = False
 
 
 @dataclass(frozen=True, eq=False)

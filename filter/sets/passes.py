@@ -27,6 +27,7 @@ from filter.sensing.readings import BEARINGS, RANGES, Readings
 from filter.sensing.rows import as_of_now, bearing_rows, on_robots, position_rows, range_rows, spans_of_targets, world_arcs
 from filter.sensing.since import Moves
 from filter.sets.merged import Directions, Merged
+from filter.sets.proof import After
 from filter.sets.worth import matter
 
 PASSES = 8  # at most; more than three are seldom worth it
@@ -87,13 +88,16 @@ class Merger(Frozen):
         if len(sliced):
             start, cases = start._in_cells(sliced, self.most, is_over)
             evidence.append(cases)
-        merged, passes = start._settled(is_over)
+        with After(evidence):
+            merged, passes = start._settled(is_over)
         wide = placed._wide(merged, passes[-1], sliced) if self.most.cells else NO_ROBOTS
         others = np.setdiff1d(wide, sliced)
         if self.readings.since is None and len(others) and not is_over():
-            start, cases = start._in_cells(others, Most(self.most.cells, 0), is_over)
-            merged, passes = start._settled(is_over)
+            with After(evidence):
+                start, cases = start._in_cells(others, Most(self.most.cells, 0), is_over)
             evidence.append(cases)
+            with After(evidence):
+                merged, passes = start._settled(is_over)
         headings = passes[-1].headings
         slices = start.slices.without(np.flatnonzero(headings.bound <= NARROW_HEADING))
         return Merged(merged, headings, slices, (*evidence, *passes), wide)
@@ -116,7 +120,8 @@ class Merger(Frozen):
     @cached_property
     def _looks(self) -> AngularIntervals:
         """(n) headings as far as compasses tell [rad]."""
-        return narrowed_headings(self.headings, self._now, AngularIntervals.circles(len(self._now.bearings.robot)))
+        with After((self._torn(self.polytope),)):
+            return narrowed_headings(self.headings, self._now, AngularIntervals.circles(len(self._now.bearings.robot)))
 
     def _placed(self) -> "Merger":
         """Return what is merged into what positions leave, as far as compasses and odometry tell where their sensors are.
@@ -128,16 +133,20 @@ class Merger(Frozen):
         farthest = float(np.abs([self.polytope.lower, self.polytope.upper]).max())
         if nowhere := self.readings.placed_nowhere(self._positions.offset, farthest):
             raise Inconsistent(f"at {self.readings.positions.time} s", nowhere)
-        of_positions = self._centred(self._positions, Look.of_compasses(self.headings, self.readings))
+        with After((self._torn(self.polytope),)):
+            look = Look.of_compasses(self.headings, self.readings)
+        of_positions = self._centred(self._positions, look)
         rows = Constraints.concatenate([self.polytope.constraints, of_positions])
         return replace(self, polytope=self.polytope.with_constraints(rows))
 
     def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, list[Directions]]:
         """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
         known, before, passes = self.polytope, np.full(0, np.inf), list[Directions]()
-        arms = Look.of_compasses(self.headings, self.readings).arms if self.readings.mountings is not None else None
+        with After((self._torn(known),)):
+            arms = Look.of_compasses(self.headings, self.readings).arms if self.readings.mountings is not None else None
         for _ in range(PASSES if self.most.cells else 1):
-            merged, read = self._pass(known, arms)
+            with After(passes):
+                merged, read = self._pass(known, arms)
             passes.append(read)
             if not self._may_gain(merged, read) or is_over():
                 break
@@ -191,7 +200,7 @@ class Merger(Frozen):
         if nowhere >= 0:
             time = now.ranges.time
             before = Source("region", time, nowhere), Source("heading", time, nowhere)
-            raise Inconsistent(f"at {time} s", [*before, *now.concerning(nowhere)])
+            raise Inconsistent(f"at {time} s", [*before, *now.concerning(nowhere)], evidence=(cases, self._torn(self.polytope)))
         numbers = self.numbers[len(self.numbers) - len(headings) :][cases.robot]
         known = self.polytope.with_constraints(Constraints.concatenate([self.polytope.constraints, cases.constraints(numbers)]))
         slices = self.slices.replaced(cases.robot, cases.slices) if most.taken_along else self.slices
@@ -203,7 +212,8 @@ class Merger(Frozen):
         The directions that an earlier pass has made narrow are rows as well: the tangents of an arc do not bound its sides.
         """
         bearings, ranges, count = self.readings.bearings, self.readings.ranges, len(self.readings.bearings.robot)
-        look = Look.of(self.headings, self.readings, self._spans(known, BEARINGS, (self.readings.moves, arms)))
+        with After((self._torn(known, arms),)):
+            look = Look.of(self.headings, self.readings, self._spans(known, BEARINGS, (self.readings.moves, arms)))
         ways = world_arcs(bearings, look.sights)
         of_bearings = self._on_robots(bearing_rows(bearings.robot, bearings.target, ways, self.numbers[:count]), look)
         seen = known.with_constraints(Constraints.concatenate([known.constraints, of_bearings]))
@@ -218,6 +228,11 @@ class Merger(Frozen):
             rows.append(self._on_robots(bearing_rows(ranges.robot, ranges.target, arcs, numbers), look))
         merged = self.polytope.with_constraints(Constraints.concatenate(rows))
         return merged, Directions(self.readings, self.sources, known, seen, look.headings, arcs, look.moves, look.arms, arms)
+
+    def _torn(self, known: Polytope, arms: Arms | None = None) -> Directions:
+        """Return what is read of directions where something is found to be torn, from what is known of the team then."""
+        circles = AngularIntervals.circles(len(self.readings.ranges.robot))
+        return Directions(self.readings, self.sources, known, known, self.headings, circles, None, arms, arms, is_torn=True)
 
     def _spans(
         self, known: Polytope, kind: int, apart: tuple[Moves | None, Arms | None], some: Integers | None = None

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers
+from filter.errors import Inconsistent
 from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
@@ -17,7 +18,7 @@ from filter.projection.claims import Outlines, Weights
 from filter.sets.merged import Directions
 
 Line = tuple[int, int, Array]  # robots i (or WORLD) and j, and a normal (2,)
-Bounded = Literal["regions", "boxes", "pairs", "sides"]
+Bounded = Literal["regions", "boxes", "pairs", "sides", "nothing"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +29,8 @@ class Proof(Frozen):
     box, plus y . b, is no greater than its offset: in exact arithmetic.
 
     Attributes:
-        of: What is bounded: each robot's position by its region or its box, the positions of pairs as seen from one another, or
-            the sides to which targets are.
+        of: What is bounded: each robot's position by its region or its box, the positions of pairs as seen from one another,
+            the sides to which targets are, or nothing at all: what has no length is said to be below 0, so nothing is possible.
         polytope: Rows and box; its rows' sources are numbers in the table below.
         sources: What produced the rows.
         i: (k,) robot, or WORLD for a claim on the position of one robot alone.
@@ -63,6 +64,12 @@ class Proof(Frozen):
             outlines.weights,
         )
 
+    @classmethod
+    def of_nothing(cls, polytope: Polytope, sources: Sources, robot: int, multipliers: Array) -> Proof:
+        """Return why a polytope is empty: its rows with multipliers (r,), or without any the box of a robot."""
+        whose = np.array([WORLD]), np.array([robot])
+        return cls("nothing", polytope, sources, *whose, np.zeros((1, 2)), np.zeros(1), Weights.of(multipliers[None]))
+
     def __len__(self) -> int:
         return len(self.offset)
 
@@ -72,6 +79,19 @@ class Proof(Frozen):
 
 
 Evidence = Proof | Cases | Directions
+
+
+class After:
+    """A context in which what raises `Inconsistent` tells what was proved before it, too."""
+
+    def __init__(self, evidence: Sequence[Evidence]) -> None:
+        self._evidence = evidence
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
+        if isinstance(error, Inconsistent):
+            error.evidence = (*self._evidence, *error.evidence)
 
 
 def causes_of(proofs: Sequence[Proof], time: float, line: Line, otherwise: set[Source]) -> set[Source]:

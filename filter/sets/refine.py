@@ -152,13 +152,18 @@ def proved_boxes(
 
 
 def _inconsistent(belief: Belief, multipliers: Array) -> Inconsistent:
-    """Return the error that names the sources of a Farkas certificate (r,), of as few rows as still prove it."""
+    """Return the error that names the sources of a Farkas certificate (r,), of as few rows as still prove it.
+
+    Its evidence is this certificate, after the belief's proofs.
+    """
     program, sources = belief.polytope.program(), belief.sources
     kept = (np.where(multipliers > share * multipliers.max(), multipliers, 0) for share in SHARES)
     proof = next((weights for weights in kept if program.proves_empty(weights)), multipliers)
     conflict = np.unique(belief.constraints.source[proof > 0])
     conflict = conflict[np.argsort(sources.time[conflict], kind="stable")]
-    return Inconsistent(f"at {belief.time} s", [sources[number] for number in conflict.tolist()])
+    nothing = Proof.of_nothing(belief.polytope, sources, 0, proof)
+    named = [sources[number] for number in conflict.tolist()]
+    return Inconsistent(f"at {belief.time} s", named, evidence=(*belief.proofs, nothing))
 
 
 def _keys(i: Integers, j: Integers, robots: int) -> Integers:

@@ -34,7 +34,8 @@ from filter.sensing.since import Moves, Since
 from filter.sets.belief import Belief, Event, Moved
 from filter.sets.conflict import Motion, Premises, conflict_of
 from filter.sets.passes import NO_ROBOTS, Merger
-from filter.sets.predict import moved
+from filter.sets.predict import moved, with_robot, without_robot
+from filter.sets.proof import After
 from filter.sets.refine import refined, with_pairs
 from filter.sets.worth import are_smaller, matter
 from filter.team import Team
@@ -130,7 +131,7 @@ class StrictFilter(Frozen):
         self.team.check_belief(belief, Belief, "headings")
         which = whole_number("robot", robot, 0, self.team.robots - 1)
         alone = replace(self, team=Team([self.team.name(which)], arena=self.team.arena)).start(belief.time, [polygon], heading)
-        return belief.with_robot(which, alone)
+        return with_robot(belief, which, alone)
 
     def changed(self, belief: Belief, change: Change) -> Belief:
         """Return the belief in which a robot is `placed`, or in which one has left.
@@ -141,7 +142,7 @@ class StrictFilter(Frozen):
         self.team.check_belief(belief, Belief, "headings")
         robot = self.team.checked_change(change, belief.time).robot
         if isinstance(change, Left):
-            return belief.without_robot(robot)
+            return without_robot(belief, robot)
         return self.placed(belief, robot, change.polygon, change.heading)
 
     def predict(self, belief: Belief, time: float, odometry: Odometry | None = None) -> Belief:
@@ -265,7 +266,8 @@ class StrictFilter(Frozen):
             if not matter(again, areas):
                 break
             start = found.polytope.loosened().within(belief.polytope)
-            later, again = self._round(replace(found, polytope=start), readings, is_over, again)
+            with After(found.proofs):
+                later, again = self._round(replace(found, polytope=start), readings, is_over, again)
             found = replace(later, proofs=found.proofs + later.proofs, events=found.events + later.events)
             if not are_smaller(found.regions.outer.areas, areas):
                 break
@@ -281,8 +283,8 @@ class StrictFilter(Frozen):
         rules = self.team.landmarks, self.tangent_spacing, Most(self.cells, self.slices), belief.slices
         merged = Merger(belief.polytope, belief.headings, readings, sources, numbers, *rules, again, last).merged(is_over)
         self.on_phase("prune")
-        pruned = self._pruned(merged.polytope)
-        known = Belief(belief.time, pruned, merged.headings, sources, belief.guarantee, slices=merged.slices)
+        kept = self._pruned(merged.polytope), merged.headings
+        known = Belief(belief.time, *kept, sources, belief.guarantee, proofs=merged.evidence, slices=merged.slices)
         self.on_phase("project")
         found = refined(known, self._projector, is_over=is_over)
         self.on_phase("forget")

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from helpers.drawn.broken import culprit, drawn, followed, going_on, outside, stepped
 from helpers.teams import snapshot
+from helpers.worlds import exact_claim
 
 from experiments.broken.fault import KINDS
-from filter import Budget, Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
+from filter import Budget, Directions, Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
 from filter.diagnosis.judging import _acquitted
 from filter.diagnosis.quiet import MEMORY
 from filter.projection.stop import never
@@ -27,10 +28,10 @@ def without_diagnosis(belief):
 
 
 @cache
-def doubtful(kind="misread", seed=1, landmarks=4):
+def doubtful(kind="misread", seed=1, landmarks=4, *, suspects_all=False):
     """Return an episode, the beliefs up to the first that is in doubt, and the frames after it."""
     episode = drawn(kind, seed, landmarks)
-    beliefs = followed(episode)
+    beliefs = followed(episode, going_on(episode.team, suspects_all=suspects_all))
     first = next(k for k, belief in enumerate(beliefs) if belief.suspects)
     return episode, beliefs[: first + 1], episode.frames[first + 1 :]
 
@@ -112,6 +113,22 @@ def test_what_is_said_names_who_can_be_wrong_and_the_assumption():
     assert episode.team.words(event).startswith("in doubt since ")
     assert belief.proofs == ()
     assert culprit(episode.fault) in {suspect.who for suspect in belief.suspects}
+
+
+def test_of_each_case_it_is_kept_for_a_step_why_it_cannot_be_or_what_is_known():
+    episode, beliefs, frames = doubtful(suspects_all=True)
+    known = beliefs[-1].diagnosis
+    ended = [one for one in known.tried if one.end]
+    assert {one.name for one in known.tried} - {one.name for one in ended} == {case.name for case in known.hypotheses}
+    assert len(ended) > len(known.hypotheses)
+    assert {one.name for one in doubtful()[1][-1].diagnosis.tried} < {one.name for one in known.tried}  # some of them together
+    for one in ended:
+        nothing = one.end[1][-1]
+        assert isinstance(nothing, Directions) or nothing.of == "nothing"
+        assert isinstance(nothing, Directions) or exact_claim(nothing, 0) < 0
+    later = stepped(going_on(episode.team, suspects_all=True), beliefs[-1], frames[0])
+    assert {one.parent for one in later.diagnosis.tried} == {case.name for case in known.hypotheses}
+    assert all(len(one.beliefs) == 1 for one in later.diagnosis.tried if not one.end)
 
 
 def test_regions_arcs_and_pairs_hold_in_each_case():
@@ -204,7 +221,8 @@ def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays
     used |= {("sighting", 1, 5): 9, ("compass", 1, -1): 99}
     cases = [Hypothesis((one,), left, {}), Hypothesis((other,), right, {}), Hypothesis((third,), left, used)]
     now = replace(known, hypotheses=tuple(cases), metres=np.full(3, 9.0))
-    living, freed = _acquitted(going_on(episode.team)._strict(never), now, ())
+    found, freed = _acquitted(going_on(episode.team)._strict(never), now, ())
+    living = found.hypotheses
     assert set(freed) == {one, other}
     assert [case.is_over for case in living] == [False, True]
     assert set(living[1].suspects) == {one, other}
@@ -213,7 +231,9 @@ def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays
             assert (region.outer.support(hull.outer.normals) <= hull.outer.offsets + ROUNDING).all()
     assert episode.fault.kind == "misread"
     lied = [replace(case, agreed=False) for case in cases]  # what was used agreed only as a lie was tolerated
-    assert _acquitted(going_on(episode.team)._strict(never), replace(now, hypotheses=tuple(lied)), ()) == (tuple(lied), ())
+    found, freed = _acquitted(going_on(episode.team)._strict(never), replace(now, hypotheses=tuple(lied)), ())
+    assert [(case.suspects, case.belief) for case in found.hypotheses] == [(case.suspects, case.belief) for case in lied]
+    assert freed == ()
 
 
 @pytest.mark.parametrize("landmarks", [4])

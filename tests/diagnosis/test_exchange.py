@@ -44,13 +44,14 @@ def explaining(belief, suspect=EXCHANGE, times=INSTANTS):
     """Return a hypothesis that has used what is seen, so many times."""
     each = Hypothesis((suspect,), belief)
     for _ in range(times):
-        (each,) = merged(strict(), each, SEEN, is_early=False)
+        ((each, _),) = merged(strict(), each, SEEN, is_early=False)
     return each
 
 
 def judged_by(living, empty=()):
     """Return which hypotheses are left of some, and who is acquitted."""
-    return _acquitted(strict(empty), Diagnosis(hypotheses=tuple(living), metres=METRES), SEEN)
+    found, freed = _acquitted(strict(empty), Diagnosis(hypotheses=tuple(living), metres=METRES), SEEN)
+    return found.hypotheses, freed
 
 
 def test_what_was_exchanged_is_told_of_by_the_names_that_it_came_with(belief):
@@ -61,7 +62,7 @@ def test_what_was_exchanged_is_told_of_by_the_names_that_it_came_with(belief):
 
 
 def test_who_would_see_itself_has_said_nothing(belief):
-    (each,) = merged(strict(), Hypothesis((EXCHANGE,), belief), (Bearing(0.0, [0, 2], [1, 1], 0.1, 0.1),), is_early=False)
+    ((each, _),) = merged(strict(), Hypothesis((EXCHANGE,), belief), (Bearing(0.0, [0, 2], [1, 1], 0.1, 0.1),), is_early=False)
     assert ("sighting", 0, 1) not in each.used
     assert ("sighting", 2, 1) in each.used
 
@@ -81,12 +82,18 @@ def test_no_exchange_acquits_another_by_what_it_has_exchanged(belief):
 
 def test_who_is_right_again_is_listened_to_at_once(belief):
     home = Hypothesis((BODY, SIGHTING), belief, {("body", -1, 4): 2})
-    (again,) = right_again(strict(), home, [SIGHTING], SEEN)
+    ((again, tried),) = right_again(strict(), home, [SIGHTING], SEEN)
+    assert (tried.suspects, tried.beliefs, tried.is_again) == ((SIGHTING,), (belief,), True)
     assert again.suspects == (SIGHTING,)
     assert again.is_over
     assert again.used == home.used
-    assert right_again(strict({(2, 1)}), home, [SIGHTING], SEEN) == right_again(strict(), home, [], SEEN) == []
-    assert right_again(strict({(2, 1)}), home, [SIGHTING], SEEN[:0])[0].belief is belief
+    assert right_again(strict(), home, [], SEEN) == []
+    ((nothing, tried),) = right_again(strict({(2, 1)}), home, [SIGHTING], SEEN)
+    assert nothing is None
+    assert tried.end == (belief.time, ())
+    ((unheard, tried),) = right_again(strict({(2, 1)}), home, [SIGHTING], SEEN[:0])
+    assert unheard.belief is belief
+    assert not (tried.beliefs or tried.end)
     (left,) = judged_by([explaining(belief), home], {(2, 1)})[0]
     assert left.suspects == (EXCHANGE,)
     left, over = judged_by([explaining(belief), home])[0]
@@ -94,7 +101,7 @@ def test_who_is_right_again_is_listened_to_at_once(belief):
 
 
 def test_what_an_acquitted_exchange_took_for_another_acquits_nobody_later(belief):
-    (again,) = right_again(strict(), explaining(belief), [EXCHANGE], SEEN)
+    ((again, _),) = right_again(strict(), explaining(belief), [EXCHANGE], SEEN)
     assert BODY.who not in again.used
 
 

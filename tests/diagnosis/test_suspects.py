@@ -3,7 +3,7 @@
 import pytest
 
 from filter import Bearing, Compass, Frame, Position, Source
-from filter.diagnosis.suspects import suspects_of
+from filter.diagnosis.suspects import everybody, suspects_of
 
 ROBOTS, MARK = 3, 4  # a landmark's number among all bodies
 PAST, NOW = 0.5, 1.0
@@ -53,6 +53,13 @@ def test_behind_what_was_known_is_all_that_was_measured_of_it_and_of_those_it_wa
     found = who([Source("region", PAST, 0)], before)
     tied = {("sensor", 1, None), ("body", None, 0), ("sighting", 1, 0), ("exchange", 0, 2)}
     assert found == {("past", 0, None), ("past", 1, None), ("compass", 0, None), ("compass", 1, None), *OF_A_MARK, *tied}
+
+
+def test_everybody_is_whoever_is_there_and_whoever_has_said_something_at_the_last_instant_too():
+    frames = [Frame(PAST, None, (Compass(PAST, 0, 0.0, 0.1),)), Frame(NOW, None, (Bearing(NOW, 0, MARK, 0.0, 0.1),))]
+    found = {(suspect.kind, suspect.robot, suspect.target) for suspect in everybody(frames, {0, 2}, ROBOTS, PAST)}
+    assert found == {("past", 0, None), ("past", 2, None), ("compass", 0, None), *OF_A_MARK}
+    assert who([Source("region", PAST, 0)]) < {*found, ("past", 0, None), ("past", 1, None)}
 
 
 def test_without_a_conflict_there_is_nobody():

@@ -6,6 +6,7 @@ from helpers.worlds import World
 
 from experiments.logs import Certificates, Header, InitialSet, LogWriter, first_belief
 from experiments.proof.chain import Chain
+from experiments.proof.doubts import Cover
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Feed
 from experiments.prove import HEADINGS, LINES, REGIONS, regions_of
@@ -56,7 +57,7 @@ def run(path, seed):
     seeing = np.random.default_rng(seed) if seed % 5 == 0 else None
     header = Header(world.team, 0.0, 10.0, version=2 if seeing else 1)
     belief = first_belief(estimator, header, initial)
-    with LogWriter(path / "log.jsonl", header, initial) as log, Certificates(path, world.team.landmarks) as file:
+    with LogWriter(path / "log.jsonl", header, initial) as log, Certificates(path, world.team) as file:
         for frame in frames_of(world, compasses=every or rng.uniform() < 0.5, seeing=seeing):
             log.write(frame)
             (step,) = follow(estimator, belief, [frame])
@@ -70,7 +71,7 @@ def links_of(path):
     chain, (headings, lines, regions) = Chain(log), (Feed(path / name) for name in (HEADINGS, LINES, REGIONS))
     for frame in log.frames:
         chain.check(headings.at(frame.time), lines.at(frame.time))
-        regions_of(frame, regions.at(frame.time), chain)
+        regions_of(frame, regions.at(frame.time), Cover(chain.headings, chain.shown))
     return chain.links
 
 
@@ -95,7 +96,7 @@ def test_the_sides_hold_for_the_truth(tmp_path, seed):
     initial = [InitialSet(one.vertices) for one in world.initial_sets(0.2)]
     header = Header(world.team, 0.0, 10.0)
     belief, places, headings = first_belief(estimator, header, initial), [], []
-    with LogWriter(tmp_path / "log.jsonl", header, initial) as log, Certificates(tmp_path, world.team.landmarks) as file:
+    with LogWriter(tmp_path / "log.jsonl", header, initial) as log, Certificates(tmp_path, world.team) as file:
         for frame in frames_of(world, compasses=False):
             places.append(np.concatenate([world.positions, world.team.landmarks]))
             headings.append(world.headings)

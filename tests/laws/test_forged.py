@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from experiments.logs import Header, InitialSet, LogWriter
-from experiments.proof.chain import MOST, Chain
+from experiments.proof.chain import Chain
+from experiments.proof.edges import MOST
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken
 from experiments.proof.shown import checked_region

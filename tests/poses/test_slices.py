@@ -15,6 +15,7 @@ from filter.geometry.angles import wrap
 from filter.poses.slices import COUNT, DIRECTIONS, FINEST_SLICE, NARROW_HEADING, Slices, regrouped
 from filter.records.record import field_names
 from filter.sets.belief import Belief
+from filter.sets.predict import without_robot
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -147,7 +148,7 @@ def test_a_robot_that_is_put_down_or_leaves_has_none():
     assert 1 in belief.slices.robot
     there = Polygon.box(np.zeros(2), np.ones(2))
     assert 1 not in filter_.placed(belief, 1, there).slices.robot
-    assert 1 not in belief.without_robot(1).slices.robot
+    assert 1 not in without_robot(belief, 1).slices.robot
     assert 0 in filter_.placed(belief, 1, there).slices.robot
 
 

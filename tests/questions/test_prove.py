@@ -180,7 +180,9 @@ def test_a_folder_without_certificates_is_bad_input(copy, capsys):
     assert capsys.readouterr().err.strip().endswith(f"error: {copy / prove.LINES}: No such file or directory")
 
 
-@pytest.mark.parametrize("name", ["log.jsonl", "summary.json", *FILES[1:], "trajectories/r1_filter.tum", "moving_team.rrd"])
+@pytest.mark.parametrize(
+    "name", ["log.jsonl", "summary.json", *FILES[1:], prove.ALTERNATIVES, "trajectories/r1_filter.tum", "moving_team.rrd"]
+)
 def test_a_run_of_which_a_file_is_not_there_is_not_proved(copy, name, capsys):
     (copy / name).unlink()
     assert prove.main([str(copy)]) == 1
@@ -211,7 +213,7 @@ def test_the_checker_uses_the_standard_library_alone():
         assert ours <= {f"experiments.{one}" for one in CHECKER}
         assert {module.split(".")[0] for module in set(modules) - ours} <= sys.stdlib_module_names
     assert len(CHECKER) > 8
-    assert sum(len((ROOT / f"experiments/{name.replace('.', '/')}.py").read_text().splitlines()) for name in CHECKER) < 3500
+    assert sum(len((ROOT / f"experiments/{name.replace('.', '/')}.py").read_text().splitlines()) for name in CHECKER) < 3950
 
 
 def test_the_same_run_gives_the_same_certificates(tmp_path):

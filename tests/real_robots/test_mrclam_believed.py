@@ -90,14 +90,41 @@ def test_measurements_that_cannot_be_are_in_doubt(tmp_path):
     assert all(step.suspended.any() for step in steps if step.resets)
 
 
-def test_a_barcode_that_is_misread_is_in_doubt_and_the_truth_stays_inside(folder, tmp_path):
-    own = shutil.copytree(folder, tmp_path / "own")
+def misread(own):
+    """Have a barcode of a run misread after two seconds; return when."""
     path = own / "Robot1_Measurement.dat"
     head, *lines = path.read_text().splitlines(keepends=True)
     at = next(k for k, line in enumerate(lines) if not line.startswith("#") and float(line.split()[0]) - CLOCK > 2)
     time, code, distance, bearing = lines[at].split()
     lines[at] = f"{time} {code} {distance} {float(bearing) + 2.5}\n"
     path.write_text("".join([head, *lines]))
+    return time
+
+
+def test_a_doubt_is_proved_again(folder, tmp_path, capsys):
+    own, out = shutil.copytree(folder, tmp_path / "own"), tmp_path / "out"
+    misread(own)
+    options = [
+        "--data",
+        str(own),
+        "--robots",
+        "1,2",
+        "--start",
+        "1.7",
+        "--duration",
+        "0.5",
+        "--tolerate",
+        "0",
+        "--certificates",
+    ]
+    assert main([*options, "--out", str(out)]) == 0
+    assert prove.main([str(out)]) == 0
+    assert "one thing alone was wrong from t = " in capsys.readouterr().out
+
+
+def test_a_barcode_that_is_misread_is_in_doubt_and_the_truth_stays_inside(folder, tmp_path):
+    own = shutil.copytree(folder, tmp_path / "own")
+    time = misread(own)
     steps = believed(own)
     assert sum("in doubt" in word for step in steps for word in step.events) == 1
     first = next(step for step in steps if step.rejected)

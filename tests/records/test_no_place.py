@@ -197,9 +197,9 @@ def test_a_run_goes_on_without_it_and_says_so(log, tmp_path):
     assert (summary["doubts"], summary["put_aside"], summary["guarantee_in_force"]) == (1, "sensor of bob", True)
 
 
-def test_what_holds_in_several_cases_has_no_certificates(log, tmp_path, capsys):
+def test_of_a_case_that_ends_by_positions_alone_there_is_no_certificate(log, tmp_path, capsys):
     assert follow_command([str(log), "--out", str(tmp_path), "--policy", "reject", "--certificates"]) == 2
-    assert "certificates of a run in which nothing is in doubt" in " ".join(capsys.readouterr().err.split())
+    assert "in which it is proved of each case why it cannot be" in " ".join(capsys.readouterr().err.split())
 
 
 ANTENNAS = Team(

@@ -70,8 +70,8 @@ class Target:
     nearest: Fraction
 
 
-def check_cases(line: Record, then: Instant) -> Arc:
-    """Return what is proved of the robot's heading, if the line's claims hold in every case.
+def check_cases(line: Record, then: Instant) -> Arc | None:
+    """Return what is proved of the robot's heading, if the line's claims hold in every case; None if no case is left.
 
     Its boxes and rows, and the slices that its cases begin from, if any, have to be proved before. Of what was measured, that
     counts which is `said` in the line.
@@ -104,6 +104,8 @@ def check_cases(line: Record, then: Instant) -> Arc:
                 raise Broken(f"in one of the cases robot {robot} can be beyond its slices")
     if waiting:
         raise Broken("there are pieces that no case is about")
+    if not arcs:
+        return None
     for heading in (claimed, claimed.widened(Fraction(0), TURNS_ROUNDING)):
         if all(heading.covers(arc) for arc in arcs):
             return heading

@@ -1,0 +1,129 @@
+"""What is proved in each case of a doubt, and why cases end: `alternatives.jsonl.gz` (see docs/soundness.md).
+
+A record of an alternative has its name, that of its parent, what may be wrong in it, one of these, and the headings and lines
+of each instant that it was taken through. Others say who is right again, which of them are united, or who is put aside and is
+not listened to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from experiments.logs.evidence import Records, of_evidence, proved
+from experiments.logs.exactly import VERSION, hexadecimal
+from filter import Array, Belief, Frame, Integers, InvalidInput, StartsOver, Step, Suspect, Team
+from filter.diagnosis.quiet import MEMORY
+from filter.diagnosis.suspects import everybody
+from filter.diagnosis.told import in_one_order, without_all
+from filter.geometry.polygon import SIDES
+from filter.linear.constraints import WORLD
+from filter.sets.belief import Diagnosis, Hypothesis, Tried
+
+PROVABLE = "certificates of a run"  # and what is wrong with it
+
+
+class Alternatives:
+    """Tells of each step what there is to prove in doubts.
+
+    Attributes:
+        is_in_doubt: Whether the last step was in doubt, or was the end of a doubt.
+    """
+
+    def __init__(self, team: Team) -> None:
+        self._team, self._recent, self.is_in_doubt = team, list[Frame](), False
+
+    def of(self, step: Step[Belief]) -> list[dict[str, Any]]:
+        """Return the records of a step; raises `InvalidInput` where there are no certificates of it."""
+        belief, before = step.belief, step.predicted
+        if over := next((event for event in (*before.events, *belief.events) if isinstance(event, StartsOver)), None):
+            raise InvalidInput(f"{PROVABLE} in which no robot starts over", self._team.words(over))
+        if before.diagnosis and not all(one.parent for one in before.diagnosis.tried):
+            raise InvalidInput(f"{PROVABLE} in which doubts begin with what is measured", "one that begins with a motion")
+        kept = without_all(before.aside, in_one_order(step.frame.time, step.frame.measurements))
+        self._recent = [*self._recent, Frame(step.frame.time, None, kept)][-MEMORY:]
+        known = belief.diagnosis or Diagnosis()
+        self.is_in_doubt = bool(known.tried)
+        self._look_at(belief, known.tried)
+        found = [self._of_tried(one) for one in known.tried]
+        found += [_of_union(each) for each in (*known.hypotheses, *([known.left] if known.left else [])) if each.unites]
+        if known.left or belief.aside != before.aside:
+            found.append({"aside": [list(suspect.who) for suspect in belief.aside]})
+        return found
+
+    def _of_tried(self, one: Tried) -> dict[str, Any]:
+        wrong = [list(suspect.who) for suspect in one.suspects]
+        times = [*(belief.time for belief in one.beliefs), *([one.end[0]] if one.end else [])]
+        evidence = [proved(belief, self._team.landmarks) for belief in one.beliefs]
+        evidence += [of_evidence(*one.end, self._team.landmarks)] if one.end else []
+        if one.is_again:
+            headings, lines = evidence[0] if evidence else ([], [])
+            return {"name": one.name, "again": one.parent, "wrong": wrong, "headings": headings, "lines": lines}
+        anew = [*([list[int]()] * (len(times) - 1)), sorted(one.anew)]
+        instants = [
+            {"t": time.hex(), "anew": robots, "headings": headings, "lines": lines}
+            for time, robots, (headings, lines) in zip(times, anew, evidence, strict=True)
+        ]
+        return {"name": one.name, "parent": one.parent, "wrong": wrong, "instants": instants}
+
+    def _look_at(self, belief: Belief, tried: Sequence[Tried]) -> None:
+        """Raise `InvalidInput` if something of a doubt cannot be proved, as yet."""
+        born = [one for one in tried if not one.parent]
+        if bad := next((one for one in tried if one.end and not one.end[1]), None):
+            words = "; ".join(map(self._team.words, bad.suspects))
+            raise InvalidInput(f"{PROVABLE} in which it is proved of each case why it cannot be", words)
+        if np.isinf(self._team.arena).any() and any(one.anew or one.suspects[0].kind == "past" for one in tried):
+            raise InvalidInput(f"{PROVABLE} in a closed arena, in which robots can be that are anywhere", "an open one")
+        if missing := self._not_tried(belief, born):
+            raise InvalidInput(f"{PROVABLE} in which all were suspected who said anything", "; ".join(missing))
+
+    def _not_tried(self, belief: Belief, born: Sequence[Tried]) -> list[str]:
+        """Return in words who can be wrong, too, when a doubt begins, but was not suspected."""
+        if not born:
+            return []
+        first = min([*(each.time for each in born[0].beliefs), *(one.end[0] for one in born if one.end)])
+        frames = [frame for frame in self._recent if frame.time >= first]
+        there = set(range(self._team.robots)) - belief.guarantee.away
+        every = everybody(frames, there, self._team.robots, first)
+        tried = {suspect.who for one in born for suspect in one.suspects}
+        gone = {suspect.who for one in born if one.end for suspect in one.suspects}
+        return [self._team.words(suspect) for suspect in every if not _is_known(suspect, tried, gone)]
+
+
+def _is_known(suspect: Suspect, tried: set[tuple[str, int, int]], gone: set[tuple[str, int, int]]) -> bool:
+    """Return whether a suspect was tried, or is a sighting by a sensor or of a body that cannot be wrong."""
+    kind, robot, target = suspect.who
+    return suspect.who in tried or (kind == "sighting" and bool(gone & {("sensor", robot, -1), ("body", -1, target)}))
+
+
+def _of_union(each: Hypothesis) -> dict[str, Any]:
+    """Return of which alternatives a hypothesis was made, and what is known in it: rows, sides of boxes, arcs."""
+    rows, (lower, upper) = each.belief.constraints, (each.belief.polytope.lower, each.belief.polytope.upper)
+    robots, sides = np.arange(len(lower)), np.concatenate([upper, -lower], axis=1).ravel()
+    boxes = _edges(each.belief.time, np.repeat(robots, len(SIDES)), np.tile(SIDES, (len(robots), 1)), sides)
+    edges = _edges(each.belief.time, rows.j, rows.normal, rows.offset)
+    return {"name": each.name, "unites": list(each.unites), "headings": _arcs(each.belief), "lines": [*boxes, *edges]}
+
+
+def said(belief: Belief) -> tuple[Records, Records]:
+    """Return the arcs of headings and the edges of regions, which are proved in each case."""
+    there = [robot for robot in range(len(belief.headings)) if robot not in belief.guarantee.away]
+    edges = [(robot, belief.regions[robot].outer) for robot in there]
+    lines = (_edges(belief.time, np.full(len(one.offsets), robot), one.normals, one.offsets) for robot, one in edges)
+    return _arcs(belief), [line for some in lines for line in some]
+
+
+def _arcs(belief: Belief) -> list[dict[str, Any]]:
+    arcs = {"centre": hexadecimal(belief.headings.centre), "bound": hexadecimal(belief.headings.bound)}
+    return [{"version": VERSION, "t": belief.time.hex(), **arcs, "lines": []}]
+
+
+def _edges(time: float, robots: Integers, normals: Array, offsets: Array) -> list[dict[str, Any]]:
+    """Return edges (k) of robots as lines without proofs of their own."""
+    stamp = {"version": VERSION, "t": time.hex()}
+    return [
+        {**stamp, "robot": robot, "from": WORLD, "normal": hexadecimal(normal), "offset": offset.hex()}
+        for robot, normal, offset in zip(robots.tolist(), normals, offsets.tolist(), strict=True)
+    ]

@@ -1,0 +1,248 @@
+"""What is known in each of several cases, side by side, one of which holds; and what is said of all. Standard library only.
+
+An alternative has a name, a list of what may be wrong in it, one of these, and a chain of its own: from that of its parent, or
+from what was known before the first instant at which something may have been wrong. What of each frame counts then is for this
+checker to say (`experiments.proof.wrong`). It ends where it is proved to be empty; until then it has its part in the cover.
+"""
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+
+from experiments.proof.chain import Chain, Placed
+from experiments.proof.edges import WORLD, Edges, add, through_corner, unit_normal
+from experiments.proof.exact import Arc, arc_around
+from experiments.proof.given.frame import Frame
+from experiments.proof.given.log import Log
+from experiments.proof.reading import Broken, Record, body, exact, located
+from experiments.proof.wrong import NOBODY, Wrong, anywhere, everybody, without, without_both, words, wrong_in
+
+AGAIN = "on trust: suspects that are taken to be right again, by evidence"
+INSTANTS, IS_AGAIN, UNITES, ASIDE = "instants", "again", "unites", "aside"  # what the four kinds of records have
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A case.
+
+    Attributes:
+        parent: From which it came, "" for what was known before.
+        chain: What is proved of it.
+        wrong: One of these is wrong.
+        is_over: Whether it was, and is right again.
+    """
+
+    parent: str
+    chain: Chain
+    wrong: frozenset[Wrong]
+    is_over: bool = False
+
+
+@dataclass(frozen=True)
+class Cover:
+    """What is said of the robots' headings, and edges around each of them."""
+
+    headings: Sequence[Arc]
+    shown: Edges
+
+
+class Doubts:
+    """Checks one step after the other, in doubt or not.
+
+    Attributes:
+        assumed: In words what the rest follows from, besides the bounds, and how many suspects there are.
+        main: What is proved where nothing is in doubt.
+    """
+
+    def __init__(self, log: Log) -> None:
+        self.assumed: Counter[str] = Counter()
+        self.main = Chain(log)
+        self._log, self._heard, self._aside = log, list[Frame](), list[Wrong]()
+        self._living = dict[str, Alternative]()
+
+    def check(self, headings: Sequence[Placed], lines: Sequence[Placed], told: Sequence[Placed]) -> Cover:
+        """Check the next step, with what is told of alternatives; return what is said, which holds in each of them.
+
+        Raises:
+            Broken: Something does not follow, or an alternative is missing.
+        """
+        frame = reduce(without, self._aside, self._log.frames[len(self._heard)])
+        self._heard.append(frame)
+        if self._living or any(INSTANTS in record for _, record in told):
+            with located(f"in doubt at t = {frame.time} s"):
+                self._go_on(told)
+                cover = self._covered(headings, lines, list(self._living.values()))
+        else:
+            self.main.check(headings, lines, frame)
+            if self.main.is_empty:
+                raise Broken(f"a contradiction at t = {frame.time} s, where nothing is said to be in doubt")
+            cover = Cover(self.main.headings, self.main.shown)
+        for place, record in told:
+            if ASIDE in record:
+                with located(place):
+                    self._put_aside(record)
+        return cover
+
+    def _go_on(self, told: Sequence[Placed]) -> None:
+        """Check all alternatives of a step, and that none is missing."""
+        found, first = dict[str, Alternative](), self._first(told)
+        for place, record in told:
+            if INSTANTS in record:
+                with located(place):
+                    if record["name"] in found:
+                        raise Broken(f"a second alternative {record['name']}")
+                    found[record["name"]] = self._tried(record, first)
+        if self._living:
+            self._look_for_children(found.values())
+        else:
+            self._look_for_everybody(found.values(), first)
+        self._living = {name: each for name, each in found.items() if not each.chain.is_empty}
+        for place, record in told:
+            with located(place):
+                if IS_AGAIN in record:
+                    self._listen_to(record)
+                elif UNITES in record:
+                    self._unite(record)
+        if not self._living:
+            raise Broken("no alternative is left: more than one thing is wrong")
+
+    def _first(self, told: Sequence[Placed]) -> int:
+        """Return the number of the first frame that alternatives of this step are about."""
+        now = len(self._heard) - 1
+        if self._living:
+            return now
+        times = {float(exact(record[INSTANTS][0]["t"])) for _, record in told if INSTANTS in record}
+        numbers = [number for number, frame in enumerate(self._heard) if frame.time in times]
+        if len(times) != 1 or not numbers:
+            raise Broken("alternatives from one frame on were expected")
+        return numbers[0]
+
+    def _tried(self, record: Record, first: int) -> Alternative:
+        """Check an alternative's steps from a frame up to this one, or up to where it is empty."""
+        wrong, is_born = frozenset(wrong_in(self._log, each) for each in record["wrong"]), not self._living
+        parent = Alternative("", self.main, wrong) if is_born else self._living[record["parent"]]
+        if not wrong or not wrong <= parent.wrong or (parent.is_over and wrong != parent.wrong):
+            raise Broken("an alternative in which something else is wrong than in the one before")
+        chain = parent.chain.branch(first)
+        for number, instant in enumerate(record[INSTANTS], first):
+            frame, *others = (self._left(number, each, instant, is_born, parent.is_over) for each in sorted(wrong))
+            if any(other != frame for other in others):
+                raise Broken("what may be wrong in an alternative leaves out different readings")
+            own, lines = ([(name, one) for one in instant[name]] for name in ("headings", "lines"))
+            chain.check(own, lines, frame)
+            if chain.is_empty:
+                break
+        if chain.frames < len(self._heard) and not chain.is_empty:
+            raise Broken("an alternative that ends before it is proved to be empty")
+        return Alternative(record["parent"], chain, wrong, parent.is_over)
+
+    def _left(self, number: int, wrong: Wrong, instant: Record, is_born: bool, is_over: bool) -> Frame:
+        """Return what counts of a frame if one thing is wrong, or was."""
+        frame, is_now = self._heard[number], number == len(self._heard) - 1
+        lost = {body(robot, self._log.robots) for robot in instant["anew"]} - frame.away
+        if wrong[0] == "past" and is_born:
+            lost.add(wrong[1])
+        if not is_over:
+            frame = without(frame, wrong) if is_now or wrong[0] != "exchange" else without_both(frame, wrong)
+        return anywhere(self._log, frame, lost)
+
+    def _look_for_children(self, found: Collection[Alternative]) -> None:
+        for name, before in self._living.items():
+            left = before.wrong - {one for each in found if each.parent == name for one in each.wrong}
+            if left:
+                raise Broken(f"alternative {name} ends without a proof; in it may be wrong: {self._words(left)}")
+
+    def _look_for_everybody(self, found: Collection[Alternative], first: int) -> None:
+        """Raise `Broken` if somebody can be wrong, since a frame, of whom there is no alternative.
+
+        A sighting says less than its sensor and its body: where one of these cannot be, it cannot.
+        """
+        tried = {one for each in found for one in each.wrong}
+        gone = {one for each in found if each.chain.is_empty for one in each.wrong}
+        for kind, robot, target in sorted(everybody(self._heard[first:], self._log.robots) - tried):
+            if kind != "sighting" or not gone & {("sensor", robot, NOBODY), ("body", NOBODY, target)}:
+                raise Broken(f"nobody has looked whether this is wrong: {self._words([(kind, robot, target)])}")
+        since, now = (self._heard[first - 1].time if first else self._log.start), self._heard[-1].time
+        self.assumed[f"on trust: one thing alone was wrong from t = {since} s to {now} s, one of:"] += len(tried)
+
+    def _listen_to(self, record: Record) -> None:
+        """Take in that what may have been wrong in an alternative is right again: what is known there holds, all is heard."""
+        wrong, name = frozenset(wrong_in(self._log, each) for each in record["wrong"]), record[IS_AGAIN]
+        before = self._living[name]
+        if not wrong or not wrong <= before.wrong or before.is_over:
+            raise Broken("something else is right again than what may be wrong in an alternative")
+        chain, own, lines = before.chain, *([("", one) for one in record[each]] for each in ("headings", "lines"))
+        if own or lines:
+            chain = chain.again(self._heard[-1])
+            chain.go_on(own, lines)
+        self.assumed[AGAIN] += len(wrong)
+        left = self._living.pop(name).wrong - wrong
+        self._living |= {name: replace(before, wrong=left)} if left else {}
+        if not chain.is_empty:
+            self._add(record, Alternative("", chain, wrong, is_over=True))
+
+    def _unite(self, record: Record) -> None:
+        """Take in that alternatives that are over are one: what is said of it holds in each."""
+        own, lines = ([("", one) for one in record[each]] for each in ("headings", "lines"))
+        some = [self._living.pop(name) for name in record[UNITES]]
+        if not some or not all(each.is_over for each in some):
+            raise Broken("alternatives are united that are not over")
+        cover = self._covered(own, lines, some)
+        chain = some[0].chain.begun(cover.headings, cover.shown)
+        self._add(record, Alternative("", chain, frozenset().union(*(each.wrong for each in some)), is_over=True))
+
+    def _add(self, record: Record, each: Alternative) -> None:
+        if record["name"] in self._living:
+            raise Broken(f"a second alternative {record['name']}")
+        self._living[record["name"]] = each
+
+    def _put_aside(self, record: Record) -> None:
+        """Take in who is not listened to from now on, and which alternative was left, if this is the end of a doubt."""
+        aside, found = [wrong_in(self._log, each) for each in record[ASIDE]], frozenset[Wrong]()
+        if len(self._living) > 1:
+            raise Broken("a doubt that is said to be over, where several alternatives are left")
+        for last in self._living.values():
+            self.main, self._living, found = last.chain, {}, frozenset() if last.is_over else last.wrong
+        sightings = [each for each in found if each[0] == "sighting"]
+        behind = {("sensor", robot, NOBODY) for _, robot, _ in sightings} | {("body", NOBODY, body) for *_, body in sightings}
+        if not set(aside) - set(self._aside) <= found | behind:
+            raise Broken("somebody is put aside who was not found to be wrong")
+        if any(kind != "past" for kind, *_ in found) and not set(aside) & (found | behind):
+            raise Broken("who was found to be wrong is not put aside")
+        if not found and set(self._aside) - set(aside):
+            self.assumed[AGAIN] += len(set(self._aside) - set(aside))
+        self._aside = aside
+        if aside:
+            since = f"from t = {self._heard[-1].time} s on"
+            self.assumed[f"on trust: {since} nothing is wrong but: {self._words(aside)}"] += len(aside)
+
+    def _covered(self, headings: Sequence[Placed], lines: Sequence[Placed], some: Sequence[Alternative]) -> Cover:
+        """Check that arcs are around those of some alternatives, and each edge is outside two edges of each; return these."""
+        ((place, record),), edges = headings, Edges()
+        with located(place):
+            arcs = [
+                arc_around(float(exact(c)), float(exact(b))) for c, b in zip(record["centre"], record["bound"], strict=True)
+            ]
+            for each in some:
+                if not all(arc.covers(one) for arc, one in zip(arcs, each.chain.headings, strict=True)):
+                    raise Broken("a heading of the cover is narrower than that of an alternative")
+        for place, line in lines:
+            with located(place):
+                pair, normal, offset = (
+                    (WORLD, body(line["robot"], len(arcs))),
+                    unit_normal(line["normal"]),
+                    exact(line["offset"]),
+                )
+                for each in some:
+                    proved = each.chain.edges.get(pair, {}).get(normal)
+                    if proved is None or proved > offset:
+                        proved = through_corner(each.chain.shown.get(pair, {}), normal, offset)
+                    if proved is None or proved > offset:
+                        far = "no edges" if proved is None else f"edges {float(proved - offset):.3g} m farther out"
+                        raise Broken(f"an edge of the cover, where an alternative has {far}")
+                add(edges, pair, normal, offset)
+        return Cover(arcs, edges)
+
+    def _words(self, some: Collection[Wrong]) -> str:
+        return ", ".join(words(self._log, each) for each in sorted(some))

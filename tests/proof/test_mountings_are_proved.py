@@ -82,14 +82,14 @@ def a_compass_that_may_be_turned(log):
     log[0]["sensors"]["compass"]["angle_bound"] += 1e-3
 
 
-@forged("follows from nothing known")
+@forged("the heading of robot 1 is not proved")
 def sensors_exchanged(log):
     other = {"camera": "tag", "tag": "camera"}
     for record in (record for record in all_of(log, "bearing", "range") if "sensor" in record):
         record["sensor"] = [other.get(name, name) for name in record["sensor"]]
 
 
-@forged("follows from nothing known")
+@forged("the heading of robot 1 is not proved")
 def sensors_at_the_centres(log):
     for record in all_of(log, "bearing", "range"):
         record.pop("sensor", None)

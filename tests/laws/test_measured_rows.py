@@ -55,7 +55,7 @@ def row_near(rng, arc, distances, kind):
     return -unit(middle + rng.choice([0.0, 0.2])), -distances[0] * np.cos((high - low) / 2) + slack
 
 
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(seeds)
 def test_no_row_is_taken_that_cuts_off_a_place_that_is_allowed(seed):
     rng = np.random.default_rng(seed)

@@ -15,7 +15,7 @@ numbers = st.one_of(st.sampled_from(EDGES), st.floats(-1e100, 1e100), st.floats(
 triples = st.tuples(numbers, numbers, numbers).map(lambda each: (each[0], *sorted(each[1:])))
 
 
-@settings(max_examples=500)
+@settings(max_examples=250)
 @given(triples)
 def test_the_true_value_is_within_the_bound(triple):
     value, low, high = triple
@@ -24,7 +24,7 @@ def test_the_true_value_is_within_the_bound(triple):
     assert Fraction(middle) + Fraction(bound) >= Fraction(value) - Fraction(low)
 
 
-@settings(max_examples=500)
+@settings(max_examples=250)
 @given(triples)
 def test_the_bound_is_no_wider_than_rounding_makes_it(triple):
     _, bound = centred(*triple)
@@ -32,7 +32,7 @@ def test_the_bound_is_no_wider_than_rounding_makes_it(triple):
     assert Fraction(bound) - width <= 8 * Fraction(np.spacing(np.abs(triple).sum()))
 
 
-@settings(max_examples=500)
+@settings(max_examples=250)
 @given(triples)
 def test_a_distance_that_is_true_stays_true(triple):
     value, low, high = map(Fraction, triple)
@@ -42,7 +42,7 @@ def test_a_distance_that_is_true_stays_true(triple):
     assert middle - bound <= max(value - high, 0)
 
 
-@settings(max_examples=500)
+@settings(max_examples=250)
 @given(st.floats(-10, 10), st.floats(0, 20))
 @example(-5e-324, 1e-323)
 def test_of_an_interval_what_is_at_least_0_is_left(middle, bound):

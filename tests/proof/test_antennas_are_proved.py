@@ -166,7 +166,7 @@ def is_taken(then, normal, offset):
 
 
 @pytest.mark.parametrize("name", [None, "mast", "exact"])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(seeds)
 def test_no_row_is_taken_that_cuts_off_a_centre_which_antenna_and_heading_allow(name, seed):
     """The judge draws headings in the arc and in the compass's, places of the antenna, and asks where the centre is."""

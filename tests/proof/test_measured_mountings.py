@@ -51,7 +51,7 @@ def places_allowed(rng, then, bearing, distances):
     return turned(own, camera) + rng.choice(distances, count)[:, None] * unit(way) - turned(other, tag)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(seeds)
 def test_no_row_is_taken_that_cuts_off_a_place_that_is_allowed(seed):
     rng = np.random.default_rng(seed)

@@ -42,9 +42,10 @@ def _classes(value: object) -> tuple[SuspectClass, ...]:
 
 
 def _lies(value: object) -> Lies:
-    if not isinstance(value, str) or value not in get_args(Lies):
-        raise InvalidInput(f"lies among {', '.join(get_args(Lies))}", shown(value))
-    return value  # type: ignore[return-value]
+    known: tuple[Lies, ...] = get_args(Lies)
+    if not isinstance(value, str) or value not in known:
+        raise InvalidInput(f"lies among {', '.join(known)}", shown(value))
+    return known[known.index(value)]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from helpers.proved.doubts import followed, lied, proved, refusal
+from helpers.proved.doubts import followed, proved, refusal
 from helpers.proved.runs import forge, lines_of, moved
 
 from experiments.proof.doubts import AGAIN, Doubts
@@ -14,15 +14,6 @@ from experiments.proof.edges import add
 from experiments.proof.given.frame import Start
 from experiments.proof.given.log import Log
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
-from filter import Bearing
-
-
-@pytest.fixture(scope="module")
-def doubtful(tmp_path_factory):
-    """Return the folder of a run in which a bearing is wrong, and three cases are left to the end."""
-    path = tmp_path_factory.mktemp("doubtful")
-    lied(path, Bearing)
-    return path
 
 
 @pytest.fixture(scope="module")

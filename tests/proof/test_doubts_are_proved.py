@@ -30,14 +30,6 @@ FORGED = {}
 
 
 @pytest.fixture(scope="module")
-def doubtful(tmp_path_factory):
-    """Return the folder of a run in which a bearing is wrong, and three cases are left to the end."""
-    path = tmp_path_factory.mktemp("doubtful")
-    lied(path, Bearing)
-    return path
-
-
-@pytest.fixture(scope="module")
 def settled(tmp_path_factory):
     """Return the folder of a run in which a compass is found to be wrong, and is put aside."""
     path = tmp_path_factory.mktemp("settled")

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,12 @@ MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 
+@cache
+def nodes_of(path):
+    """Return all nodes of a module's syntax tree, itself first."""
+    return list(ast.walk(ast.parse(path.read_text())))
+
+
 def name_of(path):
     """Return a module's full name; a package's is that of its folder."""
     parts = path.relative_to(ROOT).with_suffix("").parts
@@ -87,13 +94,14 @@ def homes_at(door):
 HOMES = homes_at(NAMES["filter"])
 
 
+@cache
 def imports(path):
     """Return the full names that a module imports, with `from a import b` as a and, when b is a module of ours, a.b.
 
     What is imported at the filter's door counts as imported from where it is at home.
     """
     names = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -104,7 +112,7 @@ def imports(path):
             modules = {f"{node.module}.{alias.name}" for alias in node.names}
             ours = {name for name in modules if name in NAMES}
             names |= ours or {node.module}
-    return names
+    return frozenset(names)
 
 
 def top(name):
@@ -137,13 +145,13 @@ def test_the_filter_stands_alone(path):
 
 @pytest.mark.parametrize("path", of("filter"))
 def test_the_filter_does_not_go_through_its_own_door(path):
-    froms = [node.module for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ImportFrom)]
+    froms = [node.module for node in nodes_of(path) if isinstance(node, ast.ImportFrom)]
     assert "filter" not in froms
 
 
 @pytest.mark.parametrize("path", of("filter"))
 def test_the_filter_has_no_files_and_no_randomness(path):
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             assert node.func.id not in ("open", "print", "input", "exec", "eval", "__import__")
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "np":
@@ -162,21 +170,23 @@ def is_compiled(node):
 
 def compiled_functions():
     """Return the compiled functions of the filter, by module and name."""
-    trees = {name: ast.parse(NAMES[name].read_text()) for name in ORDER}
+    trees = {name: nodes_of(NAMES[name])[0] for name in ORDER}
     return {(name, node.name): node for name, tree in trees.items() for node in tree.body if is_compiled(node)}
 
 
 COMPILED = compiled_functions()
 
 
+@cache
 def called_from_python():
     """Return those of them that a function calls, or hands on, that is not compiled itself."""
     called = set()
     for name, path in NAMES.items():
-        tree, known = ast.parse(path.read_text()), {function: (name, function) for _, function in COMPILED}
-        for node in (node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)):
+        nodes, known = nodes_of(path), {function: (home, function) for home, function in COMPILED if home == name}
+        for node in (node for node in nodes if isinstance(node, ast.ImportFrom)):
             known |= {alias.asname or alias.name: (node.module, alias.name) for alias in node.names}
-        python = [node for node in tree.body if not is_compiled(node)]
+        known = {word: whole for word, whole in known.items() if whole in COMPILED}
+        python = [node for node in nodes[0].body if known and not is_compiled(node)]
         called |= {known.get(leaf.id) for node in python for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
     return sorted(called & set(COMPILED))
 
@@ -231,7 +241,7 @@ def test_solvers_physics_recording_and_decoding_are_in_their_places(path):
 
 @pytest.mark.parametrize("path", [*everyone(), *(pytest.param(path, id=path.name) for path in TESTS)])
 def test_nobody_hides_the_builtin_filter(path):
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             assert not any(top(alias.name) == "filter" and alias.asname is None for alias in node.names)
 

@@ -1,5 +1,7 @@
 """The last instants, tried again: many suspects at once, and yet the same as one by one."""
 
+from itertools import cycle
+
 import numpy as np
 import pytest
 from helpers.drawn.broken import drawn, going_on, stepped
@@ -44,8 +46,7 @@ def living(found):
     return [each for each, _ in found if each is not None]
 
 
-@pytest.mark.parametrize("landmarks", [4, 2])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("kind", "landmarks"), list(zip(KINDS, cycle([4, 2]), strict=False)))
 def test_many_at_once_are_excluded_as_one_by_one(kind, landmarks, monkeypatch):
     (strict, recent, suspects, named), times = of_the_doubt(kind, landmarks, monkeypatch)
     count = len(times)

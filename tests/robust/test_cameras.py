@@ -89,7 +89,7 @@ def test_a_camera_that_is_set_right_is_trusted_again():
 
 
 @pytest.mark.parametrize("by", np.radians([-9, 6]))
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_robot_whose_camera_is_trusted_again_starts_over_and_is_inside_from_then_on(seed, by):
     """Its slices were those of the camera's heading, which has changed since."""
     world, trusted = world_of(seed), False
@@ -121,7 +121,7 @@ def test_robots_that_turn_much_between_pictures_have_good_cameras(duration, spee
 @pytest.mark.parametrize("by", np.radians([-20, 20]))
 def test_a_robot_that_is_bumped_has_a_good_camera(by):
     """All landmarks are seen aside then, too; only how it drives on tells that it is the robot that was turned."""
-    for seed in range(3):
+    for seed in range(2):
         world = world_of(seed)
         for step, belief in enumerate(touring(world, 200)):
             world.headings = world.headings + by * (step == 60) * (np.arange(3) == GUILTY)

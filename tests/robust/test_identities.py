@@ -37,7 +37,7 @@ def exchanging(world, count, pair, begins=0, known="position"):
 @pytest.mark.parametrize("known", ["pose", "position", "arena"])
 @pytest.mark.parametrize("errors", ["uniform", "extreme"])
 @pytest.mark.parametrize("begins", [0, 40])
-@pytest.mark.parametrize("pair", [(0, 1), (2, 3), (0, 3)])
+@pytest.mark.parametrize("pair", [(0, 1), (0, 3)])
 def test_exchanged_barcodes_let_nobody_escape_and_are_named(pair, begins, errors, known):
     world, events = world_of(sum(pair), ROBOTS, errors=errors), []
     for belief in exchanging(world, begins + 80, pair, begins, known):
@@ -62,7 +62,7 @@ def test_both_identities_are_named_when_they_have_been_read_for_a_while(begins):
 
 
 def test_good_barcodes_are_never_named():
-    for seed in range(6):
+    for seed in range(3):
         world = world_of(seed, ROBOTS, errors="extreme")
         for belief in exchanging(world, 60, (0, 1), 1000):
             assert belief.events == ()

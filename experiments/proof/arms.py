@@ -10,12 +10,11 @@ from dataclasses import replace
 from fractions import Fraction
 from math import floor
 
-from experiments.proof.exact import KEPT, Arc, Vector, angle_of, length, once_around, sector, unit
+from experiments.proof.exact import KEPT, Arc, Vector, Whole, angle_of, length, once_around, sector, steps, unit, whole
 from experiments.proof.given.frame import Behind, Place, most_of
 from experiments.proof.given.sensors import CENTRE, Mount
 from experiments.proof.shown import hull_of
 
-Whole = tuple[int, int]  # a place on a grid, which hulls are soon found on
 Two = tuple[Mount, Mount]  # on the robot that measures, or comes first, and on the other
 NO, FINEST = Fraction(0), Fraction(4, 1 << KEPT)  # lengths are not larger than what they are of by as much [m]
 # Corners around an arc, as the filter has them: at both ends and where tangents meet, in half-widths from its beginning; in how
@@ -34,7 +33,8 @@ def reach(mount: Mount, heading: Arc, normal: Vector) -> Fraction:
         return NO
     far, along = length(mount.place), NO
     if any(mount.place):
-        along = sector(normal, _ways(mount, heading), max(NO, far - FINEST), far)
+        x, y, unit_of = whole(*normal)
+        along = Fraction(sector((x, y), _ways(mount, heading), steps(max(NO, far - FINEST)), steps(far)), unit_of << 2 * KEPT)
     return along + mount.off * length(normal)
 
 
@@ -76,8 +76,8 @@ def around(places: Sequence[Vector], mounts: Two, who: tuple[int, int], looks: M
 
 
 def _ways(mount: Mount, heading: Arc) -> Arc:
-    low, high = angle_of(mount.place)
-    return Arc(heading.low + low, heading.high + high)
+    aside = angle_of(mount.place)
+    return Arc(heading.first + aside.first, heading.last + aside.last)
 
 
 def _corners(mount: Mount, heading: Arc | None) -> list[Whole]:

@@ -12,7 +12,7 @@ from math import pi
 from experiments.proof.cases.cells import check_cases
 from experiments.proof.cases.slices import check_roots, slices_in
 from experiments.proof.edges import SIDES, WORLD, add, plane, unit_normal
-from experiments.proof.exact import Arc, Vector, arc_around, are_apart, in_common
+from experiments.proof.exact import Arc, Vector, are_apart, claimed, in_common
 from experiments.proof.given.frame import Frame
 from experiments.proof.known import Known
 from experiments.proof.line import check
@@ -102,13 +102,10 @@ class Chain(Known):
             if not self.is_empty:
                 raise Broken("headings that agree, where none is said to be left")
             return
-        claimed = [
-            arc_around(float(exact(centre)), float(exact(bound)))
-            for centre, bound in zip(record["centre"], record["bound"], strict=True)
-        ]
-        if len(claimed) != self._log.robots:
-            raise Broken(f"headings of {len(claimed)} robots, where there are {self._log.robots}")
-        left = dict(enumerate(claimed))
+        claims = [claimed(*each) for each in zip(record["centre"], record["bound"], strict=True)]
+        if len(claims) != self._log.robots:
+            raise Broken(f"headings of {len(claims)} robots, where there are {self._log.robots}")
+        left = dict(enumerate(claims))
         for link, looks in self._ways(frame):
             for robot in [robot for robot, claim in left.items() if claim.covers(looks[robot])]:
                 self._looks[robot] = looks[robot]
@@ -119,7 +116,7 @@ class Chain(Known):
         for robot, claim in left.items():
             told = f"{_degrees(claim)} is claimed, {_degrees(looks[robot])} proved"
             raise Broken(f"the heading of robot {robot} is not proved: {told}")
-        self._instants[-1].headings = claimed
+        self._instants[-1].headings = claims
 
     def _ways(self, frame: Frame) -> Iterator[tuple[str, list[Arc]]]:
         """Yield how robots can look, without the bearings of this pass and with them."""

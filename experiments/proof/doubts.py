@@ -12,7 +12,7 @@ from functools import reduce
 
 from experiments.proof.chain import Chain, Placed
 from experiments.proof.edges import WORLD, Edges, add, through_corner, unit_normal
-from experiments.proof.exact import Arc, arc_around
+from experiments.proof.exact import Arc, claimed
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Record, body, exact, located
@@ -221,9 +221,7 @@ class Doubts:
         """Check that arcs are around those of some alternatives, and each edge is outside two edges of each; return these."""
         ((place, record),), edges = headings, Edges()
         with located(place):
-            arcs = [
-                arc_around(float(exact(c)), float(exact(b))) for c, b in zip(record["centre"], record["bound"], strict=True)
-            ]
+            arcs = [claimed(*each) for each in zip(record["centre"], record["bound"], strict=True)]
             for each in some:
                 if not all(arc.covers(one) for arc, one in zip(arcs, each.chain.headings, strict=True)):
                     raise Broken("a heading of the cover is narrower than that of an alternative")

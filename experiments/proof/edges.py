@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from fractions import Fraction
 from math import isfinite
-from typing import Any, TypeVar
+from typing import Any
 
-from experiments.proof.exact import Vector
+from experiments.proof.exact import Vector, Whole, nearly, whole
 from experiments.proof.reading import Broken, exact
 
 SIDES = (("upper", 0, (1, 0)), ("upper", 1, (0, 1)), ("lower", 0, (-1, 0)), ("lower", 1, (0, -1)))
@@ -13,7 +13,7 @@ WORLD = -1
 MOST = 1000  # edges of one robot or pair in a step: any two of them may prove something
 TRIED = 9  # pairs of edges: where some are almost parallel, floats err
 ALMOST = 1e-9  # a normal that is parallel to an edge, but for so much, may be to either side of it
-Exact = TypeVar("Exact", int, Fraction)
+
 Edges = dict[tuple[int, int], dict[Vector, Fraction]]  # of each robot (WORLD, j) or pair i, j: offsets by normals
 
 
@@ -59,7 +59,9 @@ def through_corner(edges: dict[Vector, Fraction], normal: Vector, enough: Fracti
 
     Those that seem best to floats are tried, until one proves enough, or some have been.
     """
-    found = []
+    found, first = [], _beside(edges, normal) if enough is not None else None
+    if first and (bound := of_two(edges, *first, normal)) is not None and enough is not None and bound <= enough:
+        return bound
     for _, a, b in sorted(_pairs(edges, normal), key=lambda pair: pair[0]):
         bound = of_two(edges, a, b, normal)
         if bound is not None:
@@ -69,14 +71,25 @@ def through_corner(edges: dict[Vector, Fraction], normal: Vector, enough: Fracti
     return min(found, default=edges.get(normal))
 
 
+def _beside(edges: dict[Vector, Fraction], normal: Vector) -> tuple[Vector, Vector] | None:
+    """Return the edges whose normals are nearest to one, to either side, as nearly as floats tell; None if there are none."""
+    (x, y), sides = nearly(*normal), (list[tuple[float, Vector]](), list[tuple[float, Vector]]())
+    for edge in edges:
+        p, q = nearly(*edge)
+        turned = p * y - q * x
+        if p * x + q * y > 0:
+            sides[turned < 0].append((abs(turned), edge))
+    return (min(sides[0])[1], min(sides[1])[1]) if all(sides) else None
+
+
 def _pairs(edges: dict[Vector, Fraction], normal: Vector) -> Iterator[tuple[float, Vector, Vector]]:
     """Yield the offset that two edges prove, as nearly as floats tell, and these."""
-    x, y = float(normal[0]), float(normal[1])
+    x, y = nearly(*normal)
     doubt = ALMOST * (abs(x) + abs(y))
-    floats = [(edge, float(edge[0]), float(edge[1]), float(offset)) for edge, offset in edges.items()]
-    for a, ax, ay, of_a in floats:
+    floats = [(edge, nearly(*edge, offset)) for edge, offset in edges.items()]
+    for a, (ax, ay, of_a) in floats:
         by_b = ax * y - ay * x
-        for b, bx, by, of_b in floats if by_b >= -doubt else ():
+        for b, (bx, by, of_b) in floats if by_b >= -doubt else ():
             turned, by_a = ax * by - ay * bx, x * by - y * bx
             if turned > 0 and by_a >= -doubt and isfinite(least := (by_a * of_a + by_b * of_b) / turned):
                 yield least, a, b
@@ -84,11 +97,11 @@ def _pairs(edges: dict[Vector, Fraction], normal: Vector) -> Iterator[tuple[floa
 
 def of_two(edges: dict[Vector, Fraction], a: Vector, b: Vector, normal: Vector) -> Fraction | None:
     """Return the offset that two edges prove in a direction between them, or None if it is not between them."""
-    turned = across(a, b)
-    weights = (across(normal, b), across(a, normal)) if turned > 0 else (Fraction(-1),) * 2
-    return (weights[0] * edges[a] + weights[1] * edges[b]) / turned if min(weights) >= 0 else None
+    ax, ay, bx, by, x, y, of_a, of_b, unit_of = whole(*a, *b, *normal, edges[a], edges[b])
+    turned, by_a, by_b = across((ax, ay), (bx, by)), across((x, y), (bx, by)), across((ax, ay), (x, y))
+    return Fraction(by_a * of_a + by_b * of_b, turned * unit_of) if turned > 0 and min(by_a, by_b) >= 0 else None
 
 
-def across(a: tuple[Exact, Exact], b: tuple[Exact, Exact]) -> Exact:
+def across(a: Whole, b: Whole) -> int:
     """Return the cross product of two vectors."""
     return a[0] * b[1] - a[1] * b[0]

@@ -1,49 +1,89 @@
-"""Angles, arcs and displacements between exact bounds: rational arithmetic, standard library only."""
+"""Angles, arcs and displacements between exact bounds: rational arithmetic, standard library only.
+
+What is done often is done in whole numbers, over a common denominator or on a grid of 2^-110: nothing has to be reduced there.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import atan2, ceil, cos, floor, isqrt, pi, sin
+from math import atan2, cos, isqrt, lcm, pi, sin
+from typing import TypeVar
 
 Vector = tuple[Fraction, Fraction]
 Between = tuple[Fraction, Fraction]  # lower and upper bound
+Whole = tuple[int, int]  # a vector, or two bounds, in whole numbers of some unit
+Exact = TypeVar("Exact", int, Fraction)
 
-PI = Fraction(31415926535897932384626433832795028841971, 10**40)
-PI_ROUNDING = Fraction(1, 10**40)
+ANGLES = 160  # binary digits of angles after the point: a step is 2^-160 rad
+HALF = 0x3243F6A8885A308D313198A2E03707344A4093822  # a turn, in steps; truly it is less than a step longer
+PI, PI_ROUNDING = Fraction(HALF, 1 << ANGLES), Fraction(1, 1 << ANGLES)
 CIRCLE = Fraction(4)  # more than half a turn
 TURNS = 1000  # an angle of more turns is refused
 DIGITS, KEPT = 200, 110  # binary digits after the point: of the series, and of what is rounded outward
 TERMS = 32
-FINE = Fraction(1, 1 << 90)  # how well the angle of a vector is known [rad]
+FINE = 1 << ANGLES - 90  # how well the angle of a vector is known, in steps
+
+
+def whole(*values: Fraction) -> tuple[int, ...]:
+    """Return numbers as whole ones over a common denominator, which comes last."""
+    own = [value.denominator for value in values]
+    common = lcm(*own)
+    return (*[value.numerator * (common // each) for value, each in zip(values, own, strict=True)], common)
+
+
+def nearly(*values: Fraction) -> tuple[float, ...]:
+    """Return numbers as the floats next to them."""
+    return (*[value.numerator / value.denominator for value in values],)
+
+
+def below(angle: Fraction) -> int:
+    """Return an angle in steps, or the next whole number below."""
+    return (angle.numerator << ANGLES) // angle.denominator
+
+
+def steps(value: Fraction) -> int:
+    """Return a number that is no smaller, in steps of 2^-110."""
+    return -((-value.numerator << KEPT) // value.denominator)
 
 
 def up(value: Fraction) -> Fraction:
     """Return a number of few digits that is no smaller."""
-    return Fraction(-((-value.numerator << KEPT) // value.denominator), 1 << KEPT)
+    return Fraction(steps(value), 1 << KEPT)
 
 
 def length(vector: Vector) -> Fraction:
     """Return a number no smaller than the vector's length."""
-    square = vector[0] ** 2 + vector[1] ** 2
-    return Fraction(isqrt((square.numerator << 2 * KEPT) // square.denominator) + 1, 1 << KEPT)
+    x, y, unit_of = whole(*vector)
+    return Fraction(-(-steps_long((x, y)) // unit_of), 1 << KEPT)
+
+
+def steps_long(vector: Whole) -> int:
+    """Return a number greater than a vector's length, in steps of 2^-110 of its unit."""
+    return isqrt((vector[0] ** 2 + vector[1] ** 2) << 2 * KEPT) + 1
 
 
 def unit(angle: Fraction) -> tuple[Between, Between]:
-    """Return bounds of cosine and sine.
+    """Return bounds of cosine and sine; raises `ValueError` if the angle is of more than 1000 turns."""
+    (a, b), (c, d) = direction(below(angle))
+    scale = 1 << KEPT
+    return (Fraction(a, scale), Fraction(b, scale)), (Fraction(c, scale), Fraction(d, scale))
+
+
+def direction(angle: int) -> tuple[Whole, Whole]:
+    """Return bounds of cosine and sine of an angle in steps, or one less than a step more, in steps of 2^-110.
 
     Reduced to an eighth of a turn to either side, so that 32 terms of the series leave 0.8^32 / 32! < 2^-120. Each term is
-    rounded down by one of 2^-200, which later terms multiply by e^0.8 at most, and pi is known to 10^-40: less than 2^-110 in
+    rounded down by one of 2^-200, which later terms multiply by e^0.8 at most, and pi is known to 2^-160: less than 2^-110 in
     all.
 
     Raises:
         ValueError: The angle is of more than 1000 turns.
     """
-    quarters = round(angle / (PI / 2))
+    quarters = (2 * angle + HALF // 2) // HALF
     if abs(quarters) > 4 * TURNS:
         raise ValueError(f"an angle of {quarters // 4} turns")
-    reduced = angle - quarters * PI / 2
-    x = (reduced.numerator << DIGITS) // reduced.denominator
+    x = (2 * angle - quarters * HALF) << DIGITS - ANGLES - 1
     term, sums = 1 << DIGITS, [0, 0]
     for n in range(TERMS):
         sums[n % 2] += term if n % 4 < 2 else -term
@@ -51,96 +91,135 @@ def unit(angle: Fraction) -> tuple[Between, Between]:
     cosine, sine = (value >> (DIGITS - KEPT) for value in sums)
     for _ in range(quarters % 4):
         cosine, sine = -sine - 1, cosine
-    scale = 1 << KEPT
-    return (Fraction(cosine - 1, scale), Fraction(cosine + 2, scale)), (Fraction(sine - 1, scale), Fraction(sine + 2, scale))
+    return (cosine - 1, cosine + 2), (sine - 1, sine + 2)
 
 
-def angle_of(vector: Vector) -> Between:
-    """Return bounds of a vector's angle, within half a turn of 0 [rad].
+def angle_of(vector: Vector) -> "Arc":
+    """Return an arc around a vector's angle, within half a turn of 0.
 
     Raises:
         ValueError: It has none.
     """
-    guess = Fraction(atan2(vector[1], vector[0]))
-    (x, _), (y, _) = unit(guess)
-    guess += (x * vector[1] - y * vector[0]) / (x * vector[0] + y * vector[1])  # Newton's step, from 1e-16 to 1e-32
+    guess, (x, y, _) = below(Fraction(atan2(vector[1], vector[0]))), whole(*vector)
+    (cosine, _), (sine, _) = direction(guess)
+    turned, ahead = cosine * y - sine * x, cosine * x + sine * y
+    guess += (turned << ANGLES) // ahead  # Newton's step, from 1e-16 to 1e-32
     low, high = guess - FINE, guess + FINE
-    left, right = (-vector[1], vector[0]), (vector[1], -vector[0])
-    if most(left, unit(low)) <= 0 and most(right, unit(high)) <= 0 and most((-vector[0], -vector[1]), unit(low)) < 0:
-        return low, high
+    first, last = direction(low), direction(high)
+    if most((-y, x), first) <= 0 and most((y, -x), last) <= 0 and most((-x, -y), first) < 0:
+        return Arc(low, high)
     raise ValueError("a vector without a direction")
 
 
-def most(normal: Vector, direction: tuple[Between, Between]) -> Fraction:
-    """Return the greatest normal . u over the bounds of u."""
-    return sum((n * bounds[n > 0] for n, bounds in zip(normal, direction, strict=True)), Fraction(0))
+def most(normal: tuple[Exact, Exact], bounds: tuple[Whole, Whole]) -> Exact:
+    """Return the greatest normal . u over the bounds of u, in the product of their units."""
+    (x, y), (cosine, sine) = normal, bounds
+    return x * cosine[x > 0] + y * sine[y > 0]
 
 
 @dataclass(frozen=True)
 class Arc:
-    """The directions from `low` to `high` [rad], as real numbers."""
+    """The directions from `first` to `last`, as real numbers, in steps of 2^-160 rad; sums and turns err outward."""
 
-    low: Fraction
-    high: Fraction
+    first: int
+    last: int
+
+    @classmethod
+    def between(cls, low: Fraction, high: Fraction) -> "Arc":
+        """Return an arc around all from one angle to another [rad]."""
+        return cls(below(low), -below(-high))
+
+    @property
+    def low(self) -> Fraction:
+        """Its first angle [rad]."""
+        return Fraction(self.first, 1 << ANGLES)
+
+    @property
+    def high(self) -> Fraction:
+        """Its last angle [rad]."""
+        return Fraction(self.last, 1 << ANGLES)
+
+    @property
+    def width(self) -> int:
+        """How many steps it is wide."""
+        return self.last - self.first
 
     @cached_property
-    def ends(self) -> tuple[tuple[Between, Between], tuple[Between, Between]]:
-        """Its first and last direction."""
-        return unit(self.low), unit(self.high)
+    def ends(self) -> tuple[tuple[Whole, Whole], tuple[Whole, Whole]]:
+        """Bounds of its first and last direction, in steps of 2^-110."""
+        return direction(self.first), direction(self.last)
 
     @property
     def narrow(self) -> bool:
         """Whether it is less than half a turn, for sure, and not empty."""
-        return 0 <= self.high - self.low < PI - PI_ROUNDING
+        return 0 <= self.width < HALF
 
     def widened(self, centre: Fraction, bound: Fraction) -> "Arc":
         """Return the arc of the sums with centre +- bound."""
-        return Arc(self.low + centre - bound, self.high + centre + bound)
+        more = -below(-bound)
+        return Arc(self.first + below(centre) - more, self.last - below(-centre) + more)
 
     @property
     def opposite(self) -> "Arc":
-        """The directions half a turn on; errs outward."""
-        return Arc(self.low + PI - PI_ROUNDING, self.high + PI + PI_ROUNDING)
+        """The directions half a turn on."""
+        return Arc(self.first + HALF, self.last + HALF + 1)
 
     def most(self, normal: Vector) -> Fraction:
         """Return the greatest normal . u at the two ends."""
+        x, y, unit_of = whole(*normal)
+        return Fraction(self.steepest((x, y)), unit_of << KEPT)
+
+    def steepest(self, normal: Whole) -> int:
+        """Return the same in whole numbers, in steps of 2^-110 of the normal's unit."""
         return max(most(normal, end) for end in self.ends)
 
-    def may_contain(self, normal: Vector) -> bool:
+    def may_contain(self, normal: tuple[Exact, Exact]) -> bool:
         """Return False only if the normal's direction is not in the arc."""
-        (x, y), (first, last), width = normal, self.ends, self.high - self.low
+        (x, y), (first, last) = normal, self.ends
         if self.narrow:
             return most((y, -x), first) >= 0 and most((-y, x), last) >= 0 and most(normal, first) + most(normal, last) >= 0
-        if not PI + PI_ROUNDING < width < 2 * (PI - PI_ROUNDING):  # the rest of the circle is less than half of it
+        if not HALF + 1 < self.width < 2 * HALF:  # the rest of the circle is less than half of it
             return True
         return most((-y, x), last) >= 0 or most((y, -x), first) >= 0
 
     def covers(self, other: "Arc") -> bool:
         """Return whether it contains another on the circle, for sure."""
-        if self.high - self.low >= 2 * (PI + PI_ROUNDING):
+        if self.width >= 2 * (HALF + 1):
             return True
-        turns = round((self.low + self.high - other.low - other.high) / (4 * PI))
-        moved = other.turned(turns)
-        return self.low <= moved.low and moved.high <= self.high
+        moved = other.turned((self.first + self.last - other.first - other.last + 2 * HALF) // (4 * HALF))
+        return self.first <= moved.first and moved.last <= self.last
 
     def turned(self, turns: int) -> "Arc":
-        """Return the same directions, so many whole turns on; errs outward."""
-        if not turns:
-            return self
-        by, rounding = 2 * turns * PI, 2 * abs(turns) * PI_ROUNDING
-        return Arc(self.low + by - rounding, self.high + by + rounding)
+        """Return the same directions, so many whole turns on."""
+        by, more = 2 * turns * HALF, 2 * turns
+        return Arc(self.first + by + min(0, more), self.last + by + max(0, more)) if turns else self
+
+
+ANYWHERE = Arc.between(-CIRCLE, CIRCLE)
 
 
 def arc_around(centre: float, bound: float) -> Arc:
-    """Return an arc; a bound of half a turn, as nearly as floats say it, is the whole circle."""
-    reach = Fraction(bound) if bound < pi else CIRCLE
-    return Arc(Fraction(centre) - reach, Fraction(centre) + reach)
+    """Return an arc; a bound of half a turn, as nearly as floats say it, is the whole circle.
+
+    Raises:
+        ValueError: It has finer digits than 2^-160: what is claimed would be rounded outward.
+    """
+    middle, off = Fraction(centre), Fraction(bound) if bound < pi else CIRCLE
+    arc = Arc.between(middle - off, middle + off)
+    if (arc.low, arc.high) != (middle - off, middle + off):
+        raise ValueError("an arc of finer digits than 2^-160")
+    return arc
+
+
+def claimed(centre: str, bound: str) -> Arc:
+    """Return the arc that two C99 hexadecimal strings claim."""
+    return arc_around(float.fromhex(centre), float.fromhex(bound))
 
 
 def once_around(arc: Arc) -> Arc:
     """Return the same directions by an arc of one turn at most."""
-    middle, half = (arc.low + arc.high) / 2, PI + PI_ROUNDING
-    return Arc(max(arc.low, middle - half), min(arc.high, middle + half))
+    middle = (arc.first + arc.last) // 2
+    return Arc(max(arc.first, middle - HALF - 1), min(arc.last, middle + HALF + 2))
 
 
 def in_common(known: Arc, arcs: Sequence[Arc]) -> Arc:
@@ -149,7 +228,7 @@ def in_common(known: Arc, arcs: Sequence[Arc]) -> Arc:
     The narrowest come first; of two, the wider one cuts the hull of its pieces from the narrower one. An arc that would leave
     nothing is left out, as only one that breaks its bound can.
     """
-    for arc in sorted(arcs, key=lambda one: one.high - one.low):
+    for arc in sorted(arcs, key=lambda one: one.width):
         known = _both(known, arc)
     return known
 
@@ -165,41 +244,46 @@ def half_circle(normal: Vector) -> Arc:
     Raises:
         ValueError: The normal has no direction.
     """
-    low, high = angle_of(normal)
-    return Arc(low + PI / 2 - PI_ROUNDING, high + 3 * PI / 2 + PI_ROUNDING)
+    around = angle_of(normal)
+    return Arc(around.first + HALF // 2, around.last + 3 * HALF // 2 + 3)
 
 
 def half_circle_about(angle: float) -> tuple[Vector, Arc]:
     """Return a normal nearly opposite to a direction [rad], and an arc around the directions u with normal . u <= 0."""
-    normal = Fraction(-cos(angle)), Fraction(-sin(angle))
-    bounds, middle = unit(Fraction(angle)), Fraction(angle)
-    off = sum(max(abs(value + end) for end in between) for value, between in zip(normal, bounds, strict=True))
-    return normal, Arc(middle - PI / 2, middle + PI / 2).widened(Fraction(0), 2 * off + PI_ROUNDING)
+    x, y, middle = Fraction(-cos(angle)), Fraction(-sin(angle)), below(Fraction(angle))
+    a, b, unit_of = whole(x, y)
+    pairs = zip((a, b), direction(middle), strict=True)
+    off = sum(max(abs((value << KEPT) + end * unit_of) for end in between) for value, between in pairs)
+    reach = HALF // 2 + 2 + (2 * off << ANGLES - KEPT) // unit_of
+    return (x, y), Arc(middle - reach, middle + reach + 1)
 
 
 def _both(known: Arc, arc: Arc) -> Arc:
-    narrow, wide = (arc, known) if arc.high - arc.low < known.high - known.low else (known, arc)
-    if narrow.high - narrow.low >= 2 * PI:
+    narrow, wide = (arc, known) if arc.width < known.width else (known, arc)
+    if narrow.width >= 2 * HALF:
         return known
     pieces = _pieces(narrow, wide)
     if not pieces:
         return known
-    low, high = min(piece.low for piece in pieces), max(piece.high for piece in pieces)
-    return Arc(max(narrow.low, low), min(narrow.high, high))
+    first, last = min(piece.first for piece in pieces), max(piece.last for piece in pieces)
+    return Arc(max(narrow.first, first), min(narrow.last, last))
 
 
 def _pieces(narrow: Arc, wide: Arc) -> list[Arc]:
     """Return an arc as many turns on as it meets another."""
-    if max(wide.high - wide.low, narrow.high - narrow.low) >= 2 * (PI + PI_ROUNDING):
+    if max(wide.width, narrow.width) >= 2 * (HALF + 1):
         return [narrow]
-    first, last = floor((narrow.low - wide.high) / (2 * PI)), ceil((narrow.high - wide.low) / (2 * PI))
+    first, last = (narrow.first - wide.last) // (2 * HALF), -((wide.first - narrow.last) // (2 * HALF))
     pieces = [wide.turned(turns) for turns in range(first, last + 1)]
-    return [piece for piece in pieces if piece.low <= narrow.high and narrow.low <= piece.high]
+    return [piece for piece in pieces if piece.first <= narrow.last and narrow.first <= piece.last]
 
 
-def sector(normal: Vector, arc: Arc, near: Fraction, far: Fraction) -> Fraction:
-    """Return a number no smaller than normal . d, for d in a direction of the arc and between near and far away."""
+def sector(normal: Whole, arc: Arc, near: int, far: int) -> int:
+    """Return a number no smaller than normal . d, for d in a direction of the arc and between near and far away.
+
+    All in whole numbers: distances in steps of 2^-110, what is returned in steps of 2^-220 of the normal's unit.
+    """
     if arc.may_contain(normal):
-        return far * length(normal)
-    slope = arc.most(normal)
+        return far * steps_long(normal)
+    slope = arc.steepest(normal)
     return slope * (far if slope > 0 else near)

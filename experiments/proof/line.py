@@ -6,9 +6,12 @@ c.x = (c - A'y).x + y.(A x) <= max over the box of (c - A'y).x + y.b; it is prov
 An `empty` line claims that there is no such x: with c = 0 that is below 0, or the box is empty.
 """
 
+from collections.abc import Iterator
 from fractions import Fraction
+from typing import Any
 
 from experiments.proof.edges import WORLD, unit_normal
+from experiments.proof.exact import whole
 from experiments.proof.reading import Broken, Record, exact, shown
 
 
@@ -41,23 +44,29 @@ def greatest(line: Record) -> Fraction:
         raise Broken("an empty line that is about something")
     for one in line["rows"] if is_empty else (line, *line["rows"]):
         unit_normal(one["normal"])
-    rest = {(line["robot"], k): exact(value) for k, value in enumerate(line["normal"])}
-    if line["from"] != WORLD:
-        rest |= {(line["from"], k): -exact(value) for k, value in enumerate(line["normal"])}
-    total = Fraction(0)
-    for row in line["rows"]:
-        multiplier = exact(row["multiplier"])
+    (x, y, *values, unit_of), total = whole(*map(exact, _numbers(line))), Fraction(0)
+    ends, of_rows = ((line["robot"], unit_of), (line["from"], -unit_of)), zip(*[iter(values)] * 4, strict=True)
+    rest = {body: [sign * x, sign * y] for body, sign in ends if body != WORLD}
+    for row, (multiplier, offset, *normal) in zip(line["rows"], of_rows, strict=True):
         if multiplier < 0:
             raise Broken("a negative multiplier")
-        total += multiplier * exact(row["offset"])
-        for body, sign in ((row["j"], 1), (row["i"], -1)):
-            for k, value in enumerate(row["normal"]) if body >= 0 else ():
-                rest[body, k] = rest.get((body, k), Fraction(0)) - sign * multiplier * exact(value)
-    for (body, k), value in rest.items():
-        lower, upper = exact(line["lower"][str(body)][k]), exact(line["upper"][str(body)][k])
-        if lower > upper and is_empty:
-            return Fraction(-1)
-        if lower > upper:
-            raise Broken("a box without a point")
-        total += value * (upper if value > 0 else lower)
-    return total
+        total += multiplier * offset
+        for body, sign in ((row["j"], -1), (row["i"], 1)):
+            for k, value in enumerate(normal) if body >= 0 else ():
+                rest.setdefault(body, [0, 0])[k] += sign * multiplier * value
+    for body, both in rest.items():
+        for value, *sides in zip(both, line["lower"][str(body)], line["upper"][str(body)], strict=True):
+            lower, upper = map(exact, sides)
+            if lower > upper and is_empty:
+                return Fraction(-1)
+            if lower > upper:
+                raise Broken("a box without a point")
+            total += value * (upper if value > 0 else lower)
+    return total / unit_of**2
+
+
+def _numbers(line: Record) -> Iterator[Any]:
+    """Yield a line's normal and, of each row, multiplier, offset and normal."""
+    yield from line["normal"]
+    for row in line["rows"]:
+        yield from (row["multiplier"], row["offset"], *row["normal"])

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from experiments.proof.arms import beyond, of_centre
 from experiments.proof.edges import WORLD, Edges
-from experiments.proof.exact import CIRCLE, Arc, Vector, in_common, length
+from experiments.proof.exact import ANYWHERE, Arc, Vector, in_common, length
 from experiments.proof.given.frame import Frame, Reading
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Record
@@ -77,7 +77,7 @@ def _of_range(then: Instant, who: tuple[int, int], reading: Reading, normal: Vec
     if offset >= greatest * length(normal):
         return FAR
     sights, proved = _sights(then, who, reading), then.sides.arc(*who, (reading.own, reading.other))
-    arcs = [(arc, NEAR) for arc in (*sights, in_common(Arc(-CIRCLE, CIRCLE), sights))]
+    arcs = [(arc, NEAR) for arc in (*sights, in_common(ANYWHERE, sights))]
     if proved is not None:
         arcs.append((in_common(proved, sights), NEAR_OF_SIDES))
     for arc, link in arcs:

@@ -8,10 +8,26 @@ from fractions import Fraction
 from functools import cached_property
 from math import atan2, cos, sin
 
-from experiments.proof.exact import CIRCLE, PI, PI_ROUNDING, Arc, Between, Vector, angle_of, length, sector, unit, up
+from experiments.proof.exact import (
+    ANYWHERE,
+    KEPT,
+    PI,
+    PI_ROUNDING,
+    Arc,
+    Between,
+    Vector,
+    Whole,
+    angle_of,
+    length,
+    sector,
+    steps,
+    steps_long,
+    unit,
+    up,
+    whole,
+)
 
 NOTHING = Fraction(0)
-ANYWHERE = Arc(-CIRCLE, CIRCLE)
 
 
 @dataclass(frozen=True)
@@ -84,15 +100,28 @@ class Motion:
         """Return all displacements that are so long at most [m]."""
         return cls(ANYWHERE, NOTHING, NOTHING, NOTHING, radius)
 
+    @cached_property
+    def _reaches(self) -> tuple[Whole | None, Whole | None, int]:
+        """How near and how far it is ahead and back, None if it is not, and the slip, in steps of 2^-110, rounded outward."""
+        ahead, back = (
+            (-steps(-max(NOTHING, near) * self.chord), steps(far)) if far >= 0 else None
+            for near, far in ((self.least, self.greatest), (-self.greatest, -self.least))
+        )
+        return ahead, back, steps(self.slip)
+
     def support(self, normal: Vector) -> Fraction:
         """Return a number no smaller than normal . u over the displacements u."""
-        found = []
-        if self.greatest >= 0:
-            found.append(sector(normal, self.arc, max(NOTHING, self.least) * self.chord, self.greatest))
-        if self.least <= 0:
-            back = (-normal[0], -normal[1])
-            found.append(sector(back, self.arc, max(NOTHING, -self.greatest) * self.chord, -self.least))
-        return up(max(found) + self.slip * length(normal))
+        x, y, unit_of = whole(*normal)
+        return Fraction(-(-self.reach((x, y)) // (unit_of << KEPT)), 1 << KEPT)
+
+    def reach(self, normal: Whole) -> int:
+        """Return the same of a normal in whole numbers, in steps of 2^-220 of its unit."""
+        (ahead, back, slip), found = self._reaches, list[int]()
+        if ahead:
+            found.append(sector(normal, self.arc, *ahead))
+        if back:
+            found.append(sector((-normal[0], -normal[1]), self.arc, *back))
+        return max(found) + slip * steps_long(normal)
 
 
 @dataclass(frozen=True)
@@ -164,7 +193,7 @@ def _about_the_mean(driven: Sequence[_Drive], heading: Arc, slip: Fraction) -> l
     nearest, farthest = -up(along - mean[0]), length((mean[1] + along, across))
     if nearest <= 0:
         return []
-    return [Motion(heading.widened(way, angle_of((nearest, across))[1]), nearest, farthest, Fraction(1), slip)]
+    return [Motion(heading.widened(way, angle_of((nearest, across)).high), nearest, farthest, Fraction(1), slip)]
 
 
 def _guessed(driven: Sequence[_Drive]) -> Fraction:

@@ -8,6 +8,7 @@ from codecs import BOM_UTF8
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import lru_cache
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,7 @@ def located(place: str) -> Iterator[None]:
         raise Broken(f"{place}: not as it should be: {type(error).__name__}: {str(error)[:SAID]}") from None
 
 
+@lru_cache(1 << 16)
 def exact(text: Any) -> Fraction:
     """Return the number that a C99 hexadecimal string says, without rounding."""
     return Fraction(float.fromhex(text))

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from experiments.proof.arms import Two, beyond
 from experiments.proof.edges import WORLD, plane
-from experiments.proof.exact import Arc, Vector, are_apart, half_circle, in_common
+from experiments.proof.exact import Arc, Vector, are_apart, below, half_circle, in_common
 from experiments.proof.given.frame import MATES, Frame
 from experiments.proof.given.sensors import CENTRE, Mounts
 from experiments.proof.reading import Broken, Record, exact, shown
@@ -19,7 +19,7 @@ from experiments.proof.reading import Broken, Record, exact, shown
 CENTRES = (CENTRE, CENTRE)
 # What robots see of mates' headings is followed in so many laps at most, besides one for each robot, as in the filter. What
 # makes an arc narrower by less than this is left out [rad]: a wider arc is right, too. The filter leaves out more than that.
-LAPS, GAIN = 1000, Fraction(1, 10**13)
+LAPS, GAIN = 1000, below(Fraction(1, 10**13))
 
 
 class Sides:
@@ -90,7 +90,7 @@ class Sides:
 def compasses(frame: Frame, robot: int) -> list[Arc]:
     """Return where a robot can look, by each of its compass readings."""
     readings = frame.of("compass", robot)
-    return [Arc(one.value - one.bound, one.value + one.bound) for one in readings]
+    return [Arc.between(one.value - one.bound, one.value + one.bound) for one in readings]
 
 
 def looking(frame: Frame, looks: Sequence[Arc]) -> list[Arc]:
@@ -125,4 +125,4 @@ def _ties(frame: Frame) -> Iterator[tuple[int, int, Fraction, Fraction]]:
 def _cut(known: Arc, arc: Arc) -> Arc:
     """Return what two arcs have in common, or the first one where that is hardly narrower."""
     both = in_common(known, [arc])
-    return both if known.high - known.low - both.high + both.low > GAIN else known
+    return both if known.width - both.width > GAIN else known

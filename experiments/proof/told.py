@@ -57,7 +57,7 @@ class Told:
                 self._escapes += any(dot(normal, place) > offset for normal, offset in edges[WORLD, robot].items())
             if looks is not None:
                 self._looked += 1
-                self._turned += not heading.covers(Arc(looks, looks))
+                self._turned += not heading.covers(Arc.between(looks, looks))
 
     def numbers(self) -> dict[str, Any]:
         """Return what a summary has to say."""

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 from fractions import Fraction
 
-from experiments.proof.exact import CIRCLE, Arc
+from experiments.proof.exact import ANYWHERE
 from experiments.proof.given.frame import Frame, Reading, Start, Who, Within
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, shown
@@ -71,7 +71,7 @@ def anywhere(log: Log, frame: Frame, robots: Collection[int]) -> Frame:
         raise Broken("robots that are anywhere, where the arena is open")
     (left, low), (right, high) = (tuple(Fraction(each or 0) for each in corner) for corner in log.arena)
     place = Within([(left, low), (right, low), (right, high), (left, high)])
-    return replace(frame, changes=[*frame.changes, *((robot, Start(place, Arc(-CIRCLE, CIRCLE))) for robot in sorted(robots))])
+    return replace(frame, changes=[*frame.changes, *((robot, Start(place, ANYWHERE)) for robot in sorted(robots))])
 
 
 def everybody(frames: Iterable[Frame], robots: int) -> set[Wrong]:

@@ -11,10 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments.logs.exactly import hexadecimal
-from experiments.proof.cases.cone import ANYWHERE, directions
+from experiments.proof.cases.cone import directions
 from experiments.proof.cases.polygon import Polygon as ExactPolygon
+from experiments.proof.cases.polygon import three
 from experiments.proof.edges import plane, through_corner
 from experiments.proof.exact import (
+    ANYWHERE,
+    KEPT,
     PI,
     Arc,
     angle_of,
@@ -72,7 +75,7 @@ def test_a_displacement_is_within_its_support_and_the_filter_claims_no_less(seed
     rng = np.random.default_rng(seed)
     heading, bound, turn, turned, skew = rng.uniform(-np.pi, np.pi), rng.uniform(0, 0.4), *rng.uniform(0, 0.3, 3)
     way, error, slip = rng.uniform(-1, 1), rng.uniform(0, 0.5), rng.uniform(0, 0.1)
-    looks = Arc(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
+    looks = Arc.between(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
     arc = looks.widened(Fraction(turn) / 2, Fraction(turned) / 2 + Fraction(skew))
     motion = Motion.of(Piece(*map(Fraction, (way, error, turn, turned, skew, slip, 0))), looks)
     odometry = Odometry(0.0, 1.0, 0, way, error, turn, turned, skew, slip)
@@ -90,10 +93,9 @@ def test_a_displacement_is_within_its_support_and_the_filter_claims_no_less(seed
 
 
 def test_a_sector_reaches_as_far_as_its_corners_and_its_rim():
-    arc = Arc(Fraction(-1, 2), Fraction(1, 2))
-    assert sector((Fraction(1), Fraction(0)), arc, Fraction(1), Fraction(2)) == pytest.approx(2, abs=1e-12)
-    assert sector((Fraction(-1), Fraction(0)), arc, Fraction(1), Fraction(2)) == pytest.approx(-np.cos(0.5), abs=1e-12)
-    assert sector((Fraction(0), Fraction(1)), arc, Fraction(1), Fraction(2)) == pytest.approx(2 * np.sin(0.5), abs=1e-12)
+    arc = Arc.between(Fraction(-1, 2), Fraction(1, 2))
+    for normal, most in (((1, 0), 2), ((-1, 0), -np.cos(0.5)), ((0, 1), 2 * np.sin(0.5))):
+        assert sector(normal, arc, 1 << KEPT, 2 << KEPT) / (1 << 2 * KEPT) == pytest.approx(most, abs=1e-12)
 
 
 @given(seeds)
@@ -102,7 +104,7 @@ def test_the_angle_of_a_vector_is_enclosed_finely(seed):
     vector = 10.0 ** rng.uniform(-9, 9) * rng.normal(size=2) * rng.choice([0.0, 1.0], 2, p=[0.2, 0.8]) + 0.0
     if not vector.any():
         return
-    low, high = angle_of(plane(hexadecimal(vector)))
+    low, high = (around := angle_of(plane(hexadecimal(vector)))).low, around.high
     assert 0 < high - low < Fraction(1, 2**80)
     assert abs(float(low) - np.arctan2(vector[1], vector[0])) < 1e-15
     x, y = plane(hexadecimal(vector))
@@ -120,7 +122,7 @@ def arcs_around(rng, angle, count):
     """Return arcs that contain an angle, each some turns away, some of them wide, and one that is anything else."""
     bounds = rng.choice([0.01, 0.5, 2.0, 3.1], count) * rng.uniform(0.1, 1, count)
     centres = angle + rng.uniform(-1, 1, count) * bounds + 2 * np.pi * rng.integers(-3, 4, count)
-    return [Arc(Fraction(c) - Fraction(b), Fraction(c) + Fraction(b)) for c, b in zip(centres, bounds, strict=True)]
+    return [Arc.between(Fraction(c) - Fraction(b), Fraction(c) + Fraction(b)) for c, b in zip(centres, bounds, strict=True)]
 
 
 @given(seeds)
@@ -129,37 +131,40 @@ def test_what_arcs_have_in_common_contains_all_that_they_do(seed):
     angle = rng.uniform(-np.pi, np.pi)
     arcs = arcs_around(rng, angle, int(rng.integers(1, 6)))
     found, here = in_common(arcs[0], arcs[1:]), Fraction(angle)
-    assert found.covers(Arc(here, here))
+    assert found.covers(Arc.between(here, here))
     assert found.high - found.low <= min(arc.high - arc.low for arc in arcs)
     for other in np.linspace(-np.pi, np.pi, 50):
-        point = Arc(Fraction(other), Fraction(other))
+        point = Arc.between(Fraction(other), Fraction(other))
         assert found.covers(point) or not all(arc.covers(point) for arc in arcs)
 
 
 def test_two_arcs_that_meet_behind_are_not_taken_for_what_is_in_front():
     """Lifted to one turn, they would seem to have nothing in common, and then everything would follow."""
-    behind = [Arc(PI * Fraction(5, 10), PI * Fraction(13, 10)), Arc(-PI * Fraction(13, 10), -PI * Fraction(5, 10))]
+    behind = [
+        Arc.between(PI * Fraction(5, 10), PI * Fraction(13, 10)),
+        Arc.between(-PI * Fraction(13, 10), -PI * Fraction(5, 10)),
+    ]
     found = in_common(behind[0], behind[1:])
-    assert found.covers(Arc(PI, PI))
-    assert not found.covers(Arc(Fraction(0), Fraction(0)))
-    assert not Arc(Fraction(-1, 10), Fraction(1, 10)).covers(found)
+    assert found.covers(Arc.between(PI, PI))
+    assert not found.covers(Arc.between(Fraction(0), Fraction(0)))
+    assert not Arc.between(Fraction(-1, 10), Fraction(1, 10)).covers(found)
 
 
 def test_two_wide_arcs_that_meet_at_both_ends_have_both_in_common():
-    one, other = Arc(Fraction(-28, 10), Fraction(28, 10)), Arc(Fraction(-8, 10), Fraction(48, 10))
+    one, other = Arc.between(Fraction(-28, 10), Fraction(28, 10)), Arc.between(Fraction(-8, 10), Fraction(48, 10))
     for arcs in ((one, other), (other, one), (one, other.turned(2)), (one.turned(-1), other)):
         found = in_common(arcs[0], arcs[1:])
         for angle in (Fraction(0), Fraction(-26, 10), Fraction(27, 10)):
-            assert found.covers(Arc(angle, angle))
+            assert found.covers(Arc.between(angle, angle))
 
 
 def test_an_arc_covers_the_same_some_turns_away_and_no_wider_one():
-    arc = Arc(Fraction(3), Fraction(4))
+    arc = Arc.between(Fraction(3), Fraction(4))
     for turns in (-2, 0, 1):
-        assert Arc(Fraction(29, 10), Fraction(41, 10)).covers(arc.turned(turns))
-        assert not arc.turned(turns).covers(Arc(Fraction(3), Fraction(401, 100)))
-    assert not Arc(Fraction(4), Fraction(3)).covers(arc)
-    assert Arc(Fraction(-4), Fraction(4)).covers(arc)
+        assert Arc.between(Fraction(29, 10), Fraction(41, 10)).covers(arc.turned(turns))
+        assert not arc.turned(turns).covers(Arc.between(Fraction(3), Fraction(401, 100)))
+    assert not Arc.between(Fraction(4), Fraction(3)).covers(arc)
+    assert Arc.between(Fraction(-4), Fraction(4)).covers(arc)
 
 
 @given(seeds, st.sampled_from([0.0, 1e6]))
@@ -184,7 +189,7 @@ def cut_by(rng, lines, origin):
         angle = np.arctan2(normal[1], normal[0])
         behind = shapely.affinity.translate(behind, xoff=offset - 9)
         behind = shapely.affinity.rotate(behind, angle, origin=tuple(origin), use_radians=True)
-        left = left and left.cut(plane(hexadecimal(normal)), Fraction(float(normal @ origin + offset)))
+        left = left and left.cut(three(*plane(hexadecimal(normal)), Fraction(float(normal @ origin + offset))))
         right = right.intersection(behind)
     return left, right
 
@@ -197,12 +202,12 @@ def exactly(place):
 def test_arcs_that_meet_are_not_apart_however_many_turns_on_one_is(turns, bound, aside, other):
     """Where floats are as far apart as turns, they cannot tell how many turns on the other one is."""
     low = Fraction(aside) + 2 * PI * turns
-    near, far = Arc(Fraction(-bound), Fraction(bound)), Arc(low - Fraction(other), low + Fraction(other))
+    near, far = Arc.between(Fraction(-bound), Fraction(bound)), Arc.between(low - Fraction(other), low + Fraction(other))
     clearly = abs(bound + other - abs(aside)) > 1e-9
     if clearly and abs(aside) < bound + other:
         assert not are_apart(near, far)
         assert not are_apart(far, near)
-        assert not are_apart(Arc(Fraction(-4), Fraction(4)), far)
+        assert not are_apart(Arc.between(Fraction(-4), Fraction(4)), far)
     elif clearly and 2 * np.pi - abs(aside) > bound + other + 1e-9:
         assert are_apart(near, far)
 
@@ -211,24 +216,23 @@ def test_arcs_that_meet_are_not_apart_however_many_turns_on_one_is(turns, bound,
 @pytest.mark.parametrize("normal", [(1.0, 0.5), (0.7, 0.7), (2.0, 1e-320), (5e-324, 1.0), (-1.0, 1.0)])
 def test_the_most_of_a_polygon_is_exact_where_floats_are_not(size, normal):
     corners = size * np.array([[-1, -1], [1, -0.5], [1, 1], [0.999999, 1]])
-    polygon = ExactPolygon([], [exactly(corner) for corner in corners])
+    polygon = ExactPolygon.around([exactly(corner) for corner in corners])
     most = max(exactly(normal)[0] * x + exactly(normal)[1] * y for x, y in polygon.corners)
     assert polygon.most(exactly(normal)) == most
     if size < 1e300:  # larger ones are refused
-        assert polygon.is_behind(exactly(normal), most)
-        assert not polygon.is_behind(exactly(normal), most - Fraction(1, 10**400))
+        assert polygon.is_behind(three(*exactly(normal), most))
+        assert not polygon.is_behind(three(*exactly(normal), most - Fraction(1, 10**400)))
 
 
 def test_the_most_of_a_polygon_is_exact_where_floats_are_none():
-    polygon = ExactPolygon([], [exactly(1.7e308 * np.array(corner)) for corner in ((0.05, 0), (1, 1), (0, 0.05))])
+    polygon = ExactPolygon.around([exactly(1.7e308 * np.array(corner)) for corner in ((0.05, 0), (1, 1), (0, 0.05))])
     normal, (x, y) = exactly((1.5, -1.4)), exactly((1.7e308, 1.7e308))
     assert polygon.most(normal) == normal[0] * x + normal[1] * y
-    assert not polygon.is_clearly_behind(normal, 1.4e307)
+    assert not polygon.is_behind(three(*normal, Fraction(1.4e307)))
 
 
 def test_the_most_of_a_polygon_is_exact_where_products_are_rounded_to_whole_denormals():
-    polygon = ExactPolygon([], [exactly(5e-324 * np.array(corner)) for corner in ((1, 1), (2, 0), (0, 0))])
-    assert polygon.along(exactly((0.56, 0.55)))[:2] == [1e-323, 5e-324]
+    polygon = ExactPolygon.around([exactly(5e-324 * np.array(corner)) for corner in ((1, 1), (2, 0), (0, 0))])
     assert polygon.most(exactly((0.56, 0.55))) == Fraction(0.56) * Fraction(1e-323)
 
 
@@ -244,21 +248,21 @@ def test_a_polygon_is_cut_to_the_intersection_with_half_planes(seed, far):
     normal = unit(rng.uniform(-np.pi, np.pi))
     most = float(left.most(plane(hexadecimal(normal))))
     assert most == pytest.approx(max(normal @ corner for corner in right.exterior.coords), abs=1e-9)
-    assert left.is_behind(plane(hexadecimal(normal)), Fraction(most) + Fraction(1, 10**6))
-    assert not left.is_behind(plane(hexadecimal(normal)), Fraction(most) - Fraction(1, 10**6))
+    assert left.is_behind(three(*plane(hexadecimal(normal)), Fraction(most) + Fraction(1, 10**6)))
+    assert not left.is_behind(three(*plane(hexadecimal(normal)), Fraction(most) - Fraction(1, 10**6)))
 
 
 def test_a_polygon_may_be_a_line_or_a_point_and_a_line_through_a_corner_cuts_nothing_off():
     one, no = Fraction(1), Fraction(0)
     square = ExactPolygon.box((no, no), (one, one))
-    assert square.cut((one, one), Fraction(2)) is square
-    corner = square.cut((-one, -one), Fraction(-2))
+    assert square.cut(three(one, one, Fraction(2))) is square
+    corner = square.cut(three(-one, -one, Fraction(-2)))
     assert set(corner.corners) == {(one, one)}
-    assert corner.cut((one, no), one) is corner
-    assert corner.cut((one, no), one - Fraction(1, 10**40)) is None
-    side = square.cut((-one, no), -one)
+    assert corner.cut(three(one, no, one)) is corner
+    assert corner.cut(three(one, no, one - Fraction(1, 10**40))) is None
+    side = square.cut(three(-one, no, -one))
     assert set(side.corners) == {(one, no), (one, one)}
-    assert set(side.cut((no, one), one / 2).corners) == {(one, no), (one, one / 2)}
+    assert set(side.cut(three(no, one, one / 2)).corners) == {(one, no), (one, one / 2)}
     with pytest.raises(Broken, match="without a point"):
         ExactPolygon.box((one, no), (no, one))
 
@@ -280,7 +284,9 @@ def test_no_direction_from_far_enough_is_left_out(seed, shape):
     away = np.hypot(*between.T)
     seen = between[(away >= float(nearest)) & (away > 1e-9)]
     for angle in np.arctan2(seen[:, 1], seen[:, 0]).tolist():
-        assert arc is ANYWHERE or arc.covers(Arc(Fraction(angle), Fraction(angle)).widened(Fraction(0), Fraction(-1, 10**12)))
+        assert arc is ANYWHERE or arc.covers(
+            Arc.between(Fraction(angle), Fraction(angle)).widened(Fraction(0), Fraction(-1, 10**12))
+        )
 
 
 @given(st.floats(-3.2, 3.2), st.floats(0, 1))
@@ -289,7 +295,7 @@ def test_half_a_circle_is_what_is_behind_its_normal(angle, share):
     ends = enclosed(arc.low), enclosed(arc.high)
     for (x, _), (y, _) in ends:
         assert float(normal[0] * x + normal[1] * y) == pytest.approx(0, abs=1e-12)
-    assert float(once_around(Arc(arc.low - 9, arc.high + 9)).high - arc.high) == pytest.approx(np.pi / 2, abs=1e-9)
-    beyond = Arc(arc.high + Fraction(share) + Fraction(1, 100), arc.high + Fraction(share) + Fraction(2, 100))
+    assert float(once_around(Arc.between(arc.low - 9, arc.high + 9)).high - arc.high) == pytest.approx(np.pi / 2, abs=1e-9)
+    beyond = Arc.between(arc.high + Fraction(share) + Fraction(1, 100), arc.high + Fraction(share) + Fraction(2, 100))
     assert are_apart(arc, beyond)
-    assert not are_apart(arc, Arc(arc.high, arc.high))
+    assert not are_apart(arc, Arc.between(arc.high, arc.high))

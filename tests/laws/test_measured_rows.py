@@ -36,7 +36,7 @@ def instant(rng, kinds, sides):
             known.add(line, Fraction(-1))
     near = max(0.0, (given["range"] - given["bound"]) / (1 + given["relative_bound"]))
     far = (given["range"] + given["bound"]) / (1 - given["relative_bound"])
-    arc = Arc(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
+    arc = Arc.between(Fraction(heading) - Fraction(bound), Fraction(heading) + Fraction(bound))
     log = SimpleNamespace(robots=2, landmarks=[])
     return Instant(log, Frame(0.0, readings), [arc, arc], known), (low, high), (near, far)
 

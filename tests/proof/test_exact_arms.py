@@ -88,7 +88,7 @@ def test_the_filter_says_no_less(seed):
 @pytest.mark.parametrize("half", [0.3, 1.5, np.pi / 2, 1.7, 3.0, np.pi, 4.0])
 def test_what_a_wide_arc_leaves_out_it_does_not_contain(half):
     for middle in (0.0, 3.0, -9.0):
-        arc = Arc(Fraction(middle - half), Fraction(middle + half))
+        arc = Arc.between(Fraction(middle - half), Fraction(middle + half))
         for angle in np.linspace(-np.pi, np.pi, 37):
             within = abs(np.angle(np.exp(1j * (angle - middle)))) <= half
             assert arc.may_contain(plane(unit(angle).tolist())) >= within

@@ -80,7 +80,7 @@ def holds(drive, span, first, displaced, looks):
     """Check that a drive from one tick to another, from a heading on, is within what is known of it."""
     begin, end = span
     now = first + drive.heading[end] - drive.heading[begin]
-    assert looks.covers(Arc(Fraction(now), Fraction(now)))
+    assert looks.covers(Arc.between(Fraction(now), Fraction(now)))
     c, s = np.cos(first - drive.heading[begin]), np.sin(first - drive.heading[begin])
     moved = np.array([[c, -s], [s, c]]) @ (drive.place[end] - drive.place[begin])
     assert all(way @ moved <= displaced.support(plane(way.tolist())) + ROUNDING for way in DIRECTIONS)

@@ -56,7 +56,7 @@ def test_it_is_proved_with_the_truth_inside(seed):
     found = looking(given(records), arcs)
     claimed = narrowed_headings(known, Readings.of(0.0, records), AngularIntervals.circles(0))
     for arc, look, *claim in zip(found, looks.tolist(), claimed.centre.tolist(), claimed.bound.tolist(), strict=True):
-        assert arc.widened(Fraction(0), Fraction(1, 10**14)).covers(Arc(Fraction(look), Fraction(look)))
+        assert arc.widened(Fraction(0), Fraction(1, 10**14)).covers(Arc.between(Fraction(look), Fraction(look)))
         assert arc_around(*claim).covers(arc)
     assert tied(given(records), found) == found
 

@@ -15,7 +15,7 @@ from experiments.logs import Header, InitialSet, LogWriter
 from experiments.moving_team import main as moving_team
 from experiments.proof.cases import slices as exact
 from experiments.proof.cases.polygon import Polygon
-from experiments.proof.exact import Arc, Fraction
+from experiments.proof.exact import PI, Arc, Fraction
 from filter import Frame, Truth
 from filter.poses.slices import COUNT, DIRECTIONS
 
@@ -127,13 +127,13 @@ def test_slices_are_around_poses_only_if_every_heading_is_in_one(seed):
     place, low, high = Polygon.around([(Fraction(0), Fraction(0))]), *ends[0]
     far = [bool(rng.random() < 0.8) for _ in ends]
     slices = [
-        exact.Slice(Arc(a, b).turned(turn), [Fraction(1 if is_around else -1)] * COUNT)
+        exact.Slice(Arc.between(a, b).turned(turn), [exact.STEPS if is_around else -exact.STEPS] * COUNT)
         for (a, b), turn, is_around in zip(ends[1:], turns, far, strict=False)
     ]
     within = [(a, b) for (a, b), is_around in zip(ends[1:], far, strict=False) if is_around]
     inside = [low + (high - low) * Fraction(k, 64) for k in range(65)]
-    hair, tau = Fraction(1, 10**6), 2 * exact.PI
-    found = exact.are_around(slices, place, Arc(low, high))
+    hair, tau = Fraction(1, 10**6), 2 * PI
+    found = exact.are_around(slices, place, Arc.between(low, high))
     if found:
         assert all(any(a - hair <= at + tau * k <= b + hair for a, b in within for k in range(-2, 3)) for at in inside)
     if all(any(a + hair <= at <= b - hair for a, b in within) for at in inside):

@@ -13,25 +13,14 @@ from fractions import Fraction
 from math import ceil, cos, pi, sin
 
 from experiments.proof.arms import Two, around
-from experiments.proof.cases.cone import ANYWHERE, HAIR, directions
-from experiments.proof.cases.polygon import Polygon
-from experiments.proof.cases.slices import are_around, slices_in
+from experiments.proof.cases.cone import HAIR, directions
+from experiments.proof.cases.polygon import Polygon, Three, three
+from experiments.proof.cases.slices import Slice, are_around, slices_in
 from experiments.proof.edges import WORLD, plane, unit_normal
-from experiments.proof.exact import (
-    PI,
-    Arc,
-    Vector,
-    arc_around,
-    are_apart,
-    in_common,
-    length,
-    once_around,
-    up,
-)
+from experiments.proof.exact import ANYWHERE, HALF, Arc, Vector, are_apart, below, claimed, in_common, length, once_around, up
 from experiments.proof.given.frame import Reading, Who
 from experiments.proof.measured import Instant, between
 from experiments.proof.reading import Broken, Record, exact, shown
-from experiments.proof.shown import dot
 from experiments.proof.sides import looking
 
 # No piece is cut more often, tangents are no nearer to one another [rad], and there are no more cuts in all.
@@ -80,8 +69,8 @@ def check_cases(line: Record, then: Instant) -> Arc | None:
         Broken: A piece is not within what is claimed, or the line is misshapen.
     """
     then = replace(then, headings=looking(then.frame, then.headings))
-    robot, claimed = line["robot"], arc_around(*(float(exact(value)) for value in line["heading"]))
-    claims = [(unit_normal(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
+    robot, claim = line["robot"], claimed(*line["heading"])
+    claims = [three(*unit_normal(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
     places, spacing = _places(line), float(exact(line["spacing"]))
     said = {who: then.frame.of(*who) for who in ((one["kind"], one["robot"], one["target"]) for one in line["said"])}
     _bound_work(line, spacing, sum(map(len, said.values())))
@@ -91,6 +80,9 @@ def check_cases(line: Record, then: Instant) -> Arc | None:
     waiting = list(reversed(_roots(line, places[robot], then.headings[robot])))
     for piece in line["pieces"]:
         pose = waiting.pop()
+        if pose and claims and claim.covers(pose[1]) and not _beyond(pose, claims, slices):
+            arcs.append(pose[1])
+            pose = None  # what is claimed holds already, whatever cuts and parts leave
         for _ in range(piece["rounds"]):
             for target in targets:
                 pose = _seen(pose, target, spacing) if pose else None
@@ -98,18 +90,23 @@ def check_cases(line: Record, then: Instant) -> Arc | None:
             waiting += reversed(_split(pose, *map(exact, piece["line"])))
         elif pose:
             arcs.append(pose[1])
-            if not all(pose[0].is_behind(*claim) for claim in claims):
-                raise Broken(f"in one of the cases robot {robot} can be beyond what is claimed")
-            if slices and not are_around(slices, *pose):
-                raise Broken(f"in one of the cases robot {robot} can be beyond its slices")
+            if what := _beyond(pose, claims, slices):
+                raise Broken(f"in one of the cases robot {robot} can be beyond {what}")
     if waiting:
         raise Broken("there are pieces that no case is about")
     if not arcs:
         return None
-    for heading in (claimed, claimed.widened(Fraction(0), TURNS_ROUNDING)):
+    for heading in (claim, claim.widened(Fraction(0), TURNS_ROUNDING)):
         if all(heading.covers(arc) for arc in arcs):
             return heading
     raise Broken(f"in one of the cases robot {robot} can look elsewhere than what is claimed")
+
+
+def _beyond(pose: Pose, claims: Sequence[Three], slices: Sequence[Slice]) -> str:
+    """Return in words beyond what a pose can be, of all that is claimed; nothing if it is within."""
+    if not all(pose[0].is_behind(claim) for claim in claims):
+        return "what is claimed"
+    return "its slices" if slices and not are_around(slices, *pose) else ""
 
 
 def _roots(line: Record, polygon: Polygon, heading: Arc) -> list[Pose | None]:
@@ -139,7 +136,7 @@ def _places(line: Record) -> dict[int, Polygon]:
     for row in line["rows"]:
         if row["i"] != WORLD:
             raise Broken("a row on a pair, where rows on one robot were expected")
-        cut = found[row["j"]].cut(plane(row["normal"]), exact(row["offset"]))
+        cut = found[row["j"]].cut(three(*plane(row["normal"]), exact(row["offset"])))
         if cut is None:
             raise Broken(f"robot {row['j']} is nowhere")
         found[row["j"]] = cut
@@ -194,10 +191,11 @@ def _split(pose: Pose | None, x: Fraction, y: Fraction, offset: Fraction) -> lis
         return [None, None]
     polygon, arc = pose
     if x == y == 0:
-        middle = offset + 2 * PI * round((arc.low + arc.high - 2 * offset) / (4 * PI))
-        middle = min(max(middle, arc.low), arc.high)
-        return [(polygon, Arc(arc.low, middle)), (polygon, Arc(middle, arc.high))]
-    sides = polygon.cut((x, y), offset), polygon.cut((-x, -y), -offset)
+        at = below(offset)
+        at += 2 * HALF * ((arc.first + arc.last - 2 * at + 2 * HALF) // (4 * HALF))
+        at = min(max(at, arc.first), arc.last)
+        return [(polygon, Arc(arc.first, at)), (polygon, Arc(at, arc.last))]
+    sides = polygon.cut(three(x, y, offset)), polygon.cut(three(-x, -y, -offset))
     return [(side, arc) if side else None for side in sides]
 
 
@@ -233,7 +231,7 @@ def _within(polygon: Polygon, places: Polygon, arc: Arc, reading: Range, spacing
     left: Polygon | None = polygon
     arc = arc.widened(Fraction(0), WIDENING)
     centre, bound = float(arc.low + arc.high) / 2, min(float(arc.high - arc.low) / 2, pi)
-    if all(_is_nearer(corner, place, reading.least) for corner in polygon.corners for place in places.corners):
+    if polygon.is_nearer(places, reading.least):
         return None
     tangents = max(1, ceil(2 * bound / spacing - FEWER))
     for k in range(tangents):
@@ -245,17 +243,10 @@ def _within(polygon: Polygon, places: Polygon, arc: Arc, reading: Range, spacing
     return left
 
 
-def _is_nearer(a: Vector, b: Vector, distance: Fraction) -> bool:
-    apart = (a[0] - b[0], a[1] - b[1])
-    return dot(apart, apart) < distance**2
-
-
 def _behind(polygon: Polygon, places: Polygon, normal: Vector, offset: Fraction) -> Polygon | None:
     """Return the places from which some place q of a target has normal . (q - p) <= offset."""
     back = (-normal[0], -normal[1])
-    if polygon.is_clearly_behind(back, float(offset) + max(places.along(back))):
-        return polygon
-    return polygon.cut(back, up(offset + places.most(back)))
+    return polygon.cut(three(*back, up(offset + places.most(back))))
 
 
 def _towards(angle: float) -> Vector:

@@ -6,13 +6,12 @@ from fractions import Fraction
 from math import atan2, cos, hypot, pi, sin
 
 from experiments.proof.cases.polygon import Polygon
-from experiments.proof.exact import CIRCLE, Arc, half_circle_about, in_common
+from experiments.proof.exact import ANYWHERE, Arc, half_circle_about, in_common
 
 HAIR = 1e-12  # so far outward of the outermost places floats look for a side of a target [rad]
 QUARTER = pi / 2
 EPSILON = 1e-15  # differences of floats are not wrong by more, of the numbers in them
 TINY = 1e-10  # places that are nearer, for their coordinates, are in no direction
-ANYWHERE = Arc(-CIRCLE, CIRCLE)
 
 
 def directions(polygon: Polygon, places: Polygon, nearest: Fraction) -> Arc:

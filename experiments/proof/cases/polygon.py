@@ -1,35 +1,39 @@
-"""Convex polygons that are cut line by line, their corners without rounding. Exact arithmetic, standard library only."""
+"""Convex polygons that are cut line by line, their corners without rounding. Exact arithmetic, standard library only.
+
+In whole numbers, of which nothing is ever reduced: x, y, w, with w > 0, are the corner (x / w, y / w), and a, b, c the
+half-plane a p + b q <= c. A corner is where two of the lines given meet, so its numbers are no longer than their products.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import inf, isfinite
 
-from experiments.proof.edges import across
-from experiments.proof.exact import Vector
+from experiments.proof.exact import Vector, whole
 from experiments.proof.reading import Broken
-from experiments.proof.shown import dot
 
-Line = tuple[Vector, Fraction]  # normal . p = offset
-# Floats say which corners matter; where they are nearer than this share of the numbers in them, fractions decide.
-DOUBT = 1e-12
-LEAST_DOUBT = 1e-290  # where products of floats are too small to be right to a share
+Three = tuple[int, int, int]
+SIDES = ((0, -1), (1, 0), (0, 1), (-1, 0))  # of a box
+
+
+def three(*values: Fraction) -> Three:
+    """Return a place as its corner, or a normal and an offset as their half-plane."""
+    x, y, *rest = whole(*values)
+    return x, y, rest[0]
 
 
 class Polygon:
     """A convex set of places, at least one point.
 
     Attributes:
-        corners: Counter-clockwise [m]; some may be the same.
-        floats: The same in floats.
+        floats: Its corners in floats, counter-clockwise [m]; some may be the same.
         largest: No number in them is larger, for sure.
     """
 
-    def __init__(self, lines: Sequence[Line], corners: Sequence[Vector]) -> None:
+    def __init__(self, lines: Sequence[Three], corners: Sequence[Three]) -> None:
         """Take the line that leads on from each corner, and the corners."""
-        self._lines, self.corners = lines, corners
-        self.floats = [(float(x), float(y)) for x, y in corners]
+        self._lines, self._corners = lines, corners
+        self.floats = [(x / w, y / w) for x, y, w in corners]
         self.largest = max(abs(x) + abs(y) for x, y in self.floats)
 
     @classmethod
@@ -39,60 +43,61 @@ class Polygon:
         Raises:
             Broken: That is nothing.
         """
-        (left, low), (right, high), one, no = lower, upper, Fraction(1), Fraction(0)
+        left, low, right, high, w = whole(*lower, *upper)
         if left > right or low > high:
             raise Broken("a box without a point")
-        lines = [((no, -one), -low), ((one, no), right), ((no, one), high), ((-one, no), -left)]
-        return cls(lines, [(left, low), (right, low), (right, high), (left, high)])
+        lines = [(a * w, b * w, c) for (a, b), c in zip(SIDES, (-low, right, high, -left), strict=True)]
+        return cls(lines, [(left, low, w), (right, low, w), (right, high, w), (left, high, w)])
 
     @classmethod
     def around(cls, corners: Sequence[Vector]) -> Polygon:
         """Return the hull of some corners, which no line cuts."""
-        return cls([], corners)
+        return cls([], [three(*corner) for corner in corners])
 
-    def along(self, normal: Vector) -> list[float]:
-        """Return normal . p of all corners, to a share `DOUBT` of the numbers in it; infinity where floats cannot tell."""
-        x, y = float(normal[0]), float(normal[1])
-        return [value if isfinite(value := x * p + y * q) else inf for p, q in self.floats]
+    @property
+    def corners(self) -> list[Vector]:
+        """Its corners, counter-clockwise [m]."""
+        return [(Fraction(x, w), Fraction(y, w)) for x, y, w in self._corners]
 
     def most(self, normal: Vector) -> Fraction:
         """Return the greatest normal . p."""
-        along = self.along(normal)
-        least = max(along) - self._doubt(normal) if isfinite(max(along)) else -inf
-        return max(dot(normal, corner) for corner, value in zip(self.corners, along, strict=True) if value >= least)
+        (a, b, unit_of), best, of_best = whole(*normal), 0, 0
+        for x, y, w in self._corners:
+            if not of_best or (a * x + b * y) * of_best > best * w:
+                best, of_best = a * x + b * y, w
+        return Fraction(best, of_best * unit_of)
 
-    def is_behind(self, normal: Vector, offset: Fraction) -> bool:
-        """Return whether normal . p <= offset everywhere."""
-        return self.is_clearly_behind(normal, float(offset)) or self.most(normal) <= offset
+    def is_behind(self, line: Three) -> bool:
+        """Return whether all of it is in a half-plane."""
+        a, b, c = line
+        return max(a * x + b * y - c * w for x, y, w in self._corners) <= 0
 
-    def is_clearly_behind(self, normal: Vector, offset: float) -> bool:
-        """Return whether normal . p <= offset everywhere, though either is rounded."""
-        return max(self.along(normal)) < offset - self._doubt(normal) - DOUBT * abs(offset)
-
-    def cut(self, normal: Vector, offset: Fraction) -> Polygon | None:
-        """Return what is behind a line, normal . p <= offset; None if that is nothing."""
-        if self.is_behind(normal, offset):
-            return self
-        beyond = [dot(normal, corner) - offset for corner in self.corners]
-        if min(beyond) > 0:
-            return None
-        line, kept = (normal, offset), list[tuple[Line, Vector]]()
+    def cut(self, line: Three) -> Polygon | None:
+        """Return what is in a half-plane; None if that is nothing."""
+        a, b, c = line
+        beyond = [a * x + b * y - c * w for x, y, w in self._corners]
+        if max(beyond) <= 0 or min(beyond) > 0:
+            return self if max(beyond) <= 0 else None
+        kept = list[tuple[Three, Three]]()
         for k, (now, following) in enumerate(zip(beyond, [*beyond[1:], beyond[0]], strict=True)):
             if now <= 0:
-                kept.append((self._lines[k] if now < 0 or following <= 0 else line, self.corners[k]))
+                kept.append((self._lines[k] if now < 0 or following <= 0 else line, self._corners[k]))
             if now < 0 < following:
                 kept.append((line, _meet(self._lines[k], line)))
             if following < 0 < now:
                 kept.append((self._lines[k], _meet(self._lines[k], line)))
         return Polygon(*zip(*kept, strict=True))
 
-    def _doubt(self, normal: Vector) -> float:
-        """Return by how much numbers along a normal can be wrong."""
-        return LEAST_DOUBT + DOUBT * float(abs(normal[0]) + abs(normal[1])) * self.largest
+    def is_nearer(self, other: Polygon, distance: Fraction) -> bool:
+        """Return whether all places of both are nearer to one another than a distance."""
+        pairs, (far, unit_of) = ((p, q) for p in self._corners for q in other._corners), whole(distance)
+        return all(
+            ((x * v - u * w) ** 2 + (y * v - t * w) ** 2) * unit_of**2 < (far * w * v) ** 2 for (x, y, w), (u, t, v) in pairs
+        )
 
 
-def _meet(a: Line, b: Line) -> Vector:
+def _meet(one: Three, other: Three) -> Three:
     """Return where two lines meet (Cramer's rule)."""
-    ((ax, ay), p), ((bx, by), q) = a, b
-    turned = across(a[0], b[0])
-    return (p * by - q * ay) / turned, (ax * q - bx * p) / turned
+    (a, b, c), (d, e, f) = one, other
+    turned, x, y = a * e - b * d, c * e - f * b, a * f - d * c
+    return (x, y, turned) if turned > 0 else (-x, -y, -turned)

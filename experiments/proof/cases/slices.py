@@ -6,19 +6,20 @@ cases of a later step begin from them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, cos, floor, pi, sin
+from math import cos, pi, sin
 from sys import float_info
 
-from experiments.proof.cases.polygon import Polygon
-from experiments.proof.exact import PI, PI_ROUNDING, Arc, Vector, arc_around
+from experiments.proof.cases.polygon import Polygon, Three
+from experiments.proof.exact import HALF, KEPT, Arc, Vector, claimed, steps, whole
 from experiments.proof.motion import Displaced, Piece, turned
 from experiments.proof.reading import Broken, Record, exact
 
 COUNT = 24  # directions in which a slice says how far it reaches
 MOST_SLICES = 1024
+STEPS = 1 << KEPT  # of a metre
 
 
 def _towards(k: int) -> Vector:
@@ -27,6 +28,8 @@ def _towards(k: int) -> Vector:
 
 
 DIRECTIONS = tuple(map(_towards, range(COUNT)))
+*_PARTS, UNIT = whole(*(part for normal in DIRECTIONS for part in normal))
+IN_UNITS = tuple(zip(_PARTS[::2], _PARTS[1::2], strict=True))  # the same in whole numbers
 
 
 @dataclass(frozen=True)
@@ -35,16 +38,21 @@ class Slice:
 
     Attributes:
         arc: Of headings.
-        reach: How far, in each of `DIRECTIONS` [m].
+        reach: How far, in each of `DIRECTIONS`, in steps of 2^-110 m.
     """
 
     arc: Arc
-    reach: Sequence[Fraction]
+    reach: Sequence[int]
+
+    @property
+    def _lines(self) -> Iterator[Three]:
+        return ((x << KEPT, y << KEPT, far * UNIT) for (x, y), far in zip(IN_UNITS, self.reach, strict=True))
 
     def moved(self, pieces: Sequence[Piece]) -> Slice:
         """Return it after pieces of motion."""
-        driven = Displaced.of(pieces, self.arc)
-        reach = [each + driven.support(normal) for each, normal in zip(self.reach, DIRECTIONS, strict=True)]
+        sets = Displaced.of(pieces, self.arc).sets
+        driven = (min([motion.reach(normal) for motion in sets]) for normal in IN_UNITS)
+        reach = [each - -more // (UNIT << KEPT) for each, more in zip(self.reach, driven, strict=True)]
         return Slice(turned(pieces, self.arc), reach)
 
     def holds(self, other: Slice) -> bool:
@@ -54,18 +62,18 @@ class Slice:
 
     def around(self, polygon: Polygon) -> bool:
         """Return whether places of a polygon are all within its reach."""
-        return all(polygon.is_behind(normal, far) for normal, far in zip(DIRECTIONS, self.reach, strict=True))
+        return all(map(polygon.is_behind, self._lines))
 
     def cut(self, polygon: Polygon) -> Polygon | None:
         """Return what its reach leaves of a polygon."""
         left: Polygon | None = polygon
-        for normal, far in zip(DIRECTIONS, self.reach, strict=True):
-            left = left and left.cut(normal, far)
+        for line in self._lines:
+            left = left and left.cut(line)
         return left
 
 
 def slices_in(line: Record, name: str) -> list[Slice]:
-    """Return the slices that a line names so; none if it has no such entry.
+    """Return the slices that a line names so, if any; how far they reach is rounded down, which claims more.
 
     Raises:
         Broken: One of them is misshapen.
@@ -73,7 +81,7 @@ def slices_in(line: Record, name: str) -> list[Slice]:
     told = line.get(name, [])
     if len(told) > MOST_SLICES:
         raise Broken(f"{len(told)} {name}, where {MOST_SLICES} are the most")
-    found = [Slice(arc_around(*(float(exact(end)) for end in one["arc"])), [*map(exact, one["reach"])]) for one in told]
+    found = [Slice(claimed(*one["arc"]), [-steps(-exact(far)) for far in one["reach"]]) for one in told]
     if any(len(each.reach) != COUNT for each in found):
         raise Broken(f"{name} with another number of directions than {COUNT}")
     return found
@@ -93,10 +101,10 @@ def check_roots(roots: Sequence[Slice], proved: Sequence[Slice]) -> None:
 
 def are_around(slices: Sequence[Slice], polygon: Polygon, arc: Arc) -> bool:
     """Return whether poses, all in a polygon and with a heading in an arc, are within slices, for sure."""
-    arcs = [turn for each in slices if each.around(polygon) for turn in _turns(each.arc, arc)]
-    at = arc.low
-    while at < arc.high:
-        farther = max((each.high for each in arcs if each.low <= at), default=at)
+    arcs = [turn for each in slices if (turns := _turns(each.arc, arc)) and each.around(polygon) for turn in turns]
+    at = arc.first
+    while at < arc.last:
+        farther = max((each.last for each in arcs if each.first <= at), default=at)
         if farther <= at:
             return False
         at = farther
@@ -104,10 +112,8 @@ def are_around(slices: Sequence[Slice], polygon: Polygon, arc: Arc) -> bool:
 
 
 def _turns(arc: Arc, where: Arc) -> list[Arc]:
-    """Return an arc some whole turns on, as often as it may meet another; errs inward."""
-    first, last = floor((where.low - arc.high) / (2 * PI)), ceil((where.high - arc.low) / (2 * PI))
-    found = []
-    for turns in range(first, last + 1):
-        by, rounding = 2 * turns * PI, 2 * abs(turns) * PI_ROUNDING
-        found.append(Arc(arc.low + by + rounding, arc.high + by - rounding))
-    return found
+    """Return an arc some whole turns on, as often as it meets another; errs inward."""
+    first, last = (where.first - arc.last) // (2 * HALF), -((arc.first - where.last) // (2 * HALF))
+    turned = ((2 * turns * HALF, 2 * turns) for turns in range(first, last + 1))
+    found = [Arc(arc.first + by + max(0, more), arc.last + by + min(0, more)) for by, more in turned]
+    return [each for each in found if each.first <= where.last and where.first <= each.last]

@@ -55,8 +55,8 @@ def greatest(line: Record) -> Fraction:
             for k, value in enumerate(normal) if body >= 0 else ():
                 rest.setdefault(body, [0, 0])[k] += sign * multiplier * value
     for body, both in rest.items():
-        for value, *sides in zip(both, line["lower"][str(body)], line["upper"][str(body)], strict=True):
-            lower, upper = map(exact, sides)
+        for k, value in enumerate(both):
+            lower, upper = exact(line["lower"][str(body)][k]), exact(line["upper"][str(body)][k])
             if lower > upper and is_empty:
                 return Fraction(-1)
             if lower > upper:

@@ -60,6 +60,7 @@ def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
     for feed in (headings, lines, regions, others):
         feed.end()
     counts = doubts.main.links + doubts.assumed + _shown(folder, told, log, proved)
+    counts[f"frames, up to t = {log.frames[-1].time} s"] = len(log.frames)
     show("\n")
     return counts
 

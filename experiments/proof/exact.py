@@ -171,7 +171,8 @@ class Arc:
 
     def steepest(self, normal: Whole) -> int:
         """Return the same in whole numbers, in steps of 2^-110 of the normal's unit."""
-        return max(most(normal, end) for end in self.ends)
+        first, last = self.ends
+        return max(most(normal, first), most(normal, last))
 
     def may_contain(self, normal: tuple[Exact, Exact]) -> bool:
         """Return False only if the normal's direction is not in the arc."""

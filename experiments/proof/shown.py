@@ -38,7 +38,7 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
     *parts, unit_of = whole(*(part for vertex in vertices for part in vertex))
     points = list(zip(parts[::2], parts[1::2], strict=True))
     hull, area, middle = hull_of(points), exact(record["area"]), plane(record["estimate"])
-    box = [through_corner(edges, side) for side in BOX]
+    box = [edges[side] if side in edges else through_corner(edges, side) for side in BOX]
     if any(side is None for side in box):
         raise Broken("what is proved is no closed polygon")
     largest = Fraction(max(abs(part) for corner in hull for part in corner), unit_of)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cached_property
 
 from experiments.proof.exact import Vector, whole
 from experiments.proof.reading import Broken
@@ -23,18 +24,11 @@ def three(*values: Fraction) -> Three:
 
 
 class Polygon:
-    """A convex set of places, at least one point.
-
-    Attributes:
-        floats: Its corners in floats, counter-clockwise [m]; some may be the same.
-        largest: No number in them is larger, for sure.
-    """
+    """A convex set of places, at least one point."""
 
     def __init__(self, lines: Sequence[Three], corners: Sequence[Three]) -> None:
         """Take the line that leads on from each corner, and the corners."""
         self._lines, self._corners = lines, corners
-        self.floats = [(x / w, y / w) for x, y, w in corners]
-        self.largest = max(abs(x) + abs(y) for x, y in self.floats)
 
     @classmethod
     def box(cls, lower: Vector, upper: Vector) -> Polygon:
@@ -59,6 +53,16 @@ class Polygon:
         """Its corners, counter-clockwise [m]."""
         return [(Fraction(x, w), Fraction(y, w)) for x, y, w in self._corners]
 
+    @cached_property
+    def floats(self) -> list[tuple[float, float]]:
+        """The same in floats; some may be the same."""
+        return [(x / w, y / w) for x, y, w in self._corners]
+
+    @property
+    def largest(self) -> float:
+        """No number in them is larger."""
+        return max([abs(x) + abs(y) for x, y in self.floats])
+
     def most(self, normal: Vector) -> Fraction:
         """Return the greatest normal . p."""
         (a, b, unit_of), best, of_best = whole(*normal), 0, 0
@@ -70,7 +74,7 @@ class Polygon:
     def is_behind(self, line: Three) -> bool:
         """Return whether all of it is in a half-plane."""
         a, b, c = line
-        return max(a * x + b * y - c * w for x, y, w in self._corners) <= 0
+        return max([a * x + b * y - c * w for x, y, w in self._corners]) <= 0
 
     def cut(self, line: Three) -> Polygon | None:
         """Return what is in a half-plane; None if that is nothing."""

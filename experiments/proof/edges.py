@@ -30,7 +30,8 @@ def unit_normal(normal: Any) -> Vector:
         Broken: Its length is not between 1/2 and 2: floats, which say what is worth a look, could be far off.
     """
     x, y = plane(normal)
-    if not Fraction(1, 4) <= x * x + y * y <= 4:
+    a, b, one = whole(x, y)
+    if not one**2 <= 4 * (a**2 + b**2) <= 16 * one**2:
         raise Broken(f"a normal of length 1 was expected, not ({float(x):.6g}, {float(y):.6g})")
     return x, y
 

@@ -16,7 +16,7 @@ from filter.records.measurements import Measurement, Range
 from filter.records.record import field_names
 from filter.sets.suspect import Suspect, SuspectKind
 
-SuspectClass = Literal["pairs", "bodies", "cameras", "compasses"]
+SuspectClass = Literal["pairs", "bodies", "cameras", "compasses", "identities"]
 Lies = Literal["any", "long"]
 # Of each class: its kind of suspects, and what one of them is.
 CLASSES: dict[str, tuple[SuspectKind, str]] = {
@@ -24,7 +24,9 @@ CLASSES: dict[str, tuple[SuspectKind, str]] = {
     "bodies": ("body", "place or marker of a target"),
     "cameras": ("sensor", "sensor of a robot"),
     "compasses": ("compass", "compass of a robot"),
+    "identities": ("sighting", "what it and another body measure of one another"),
 }
+BY_VOTES: SuspectClass = "identities"
 # What one of them does, and what several do.
 LIES = {
     "any": ("is wrong", "are wrong"),
@@ -57,8 +59,13 @@ class Tolerance(Frozen):
     are exchanged are two bodies. Two that one robot takes for each other are two pairs, as is a path between mates that both
     measure.
 
+    "identities" is for each robot by itself: at most one of what it and some other body measure of one another is wrong. So in
+    all there may be as many as there are robots, and it takes a fraction of the time. But what is measured is then said of each
+    robot's pose alone, not of pairs: with ranges alone that is much less. Relative headings are not used.
+
     Attributes:
-        q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window.
+        q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window. Of
+            "identities" it is 1 for each robot; they go with no other class, and lie in any way.
         window: How long it is [s]; what can be the case is begun anew so often.
         suspects: A class, or several, of which at most q in all lie.
         lies: "any", or "long": only ranges are ever wrong, and these only too long, as those of radio without a line of sight.
@@ -73,8 +80,17 @@ class Tolerance(Frozen):
         super().__post_init__()
         if self.lies == "long" and self.suspects == ("compasses",):
             raise InvalidInput("suspects that measure ranges, where these are too long", "compasses")
+        if BY_VOTES in self.suspects and (self.q, len(self.suspects), self.lies) != (1, 1, "any"):
+            raise InvalidInput(f"{BY_VOTES} alone, with q = 1 and any lies", f"{self.q}, {self.suspects}, {self.lies}")
+
+    @property
+    def is_by_votes(self) -> bool:
+        """Whether each robot has suspects of its own, who vote on its pose; else there is a case of the team for each."""
+        return self.suspects == (BY_VOTES,)
 
     def __str__(self) -> str:
+        if self.is_by_votes:
+            return f"if for each robot at most one of these is wrong within any {self.window:g} s: {CLASSES[BY_VOTES][1]}"
         one = " or ".join(CLASSES[each][1] for each in self.suspects)
         return f"if at most {self.q} of these {LIES[self.lies][self.q > 1]} within any {self.window:g} s: {one}"
 

@@ -15,12 +15,13 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources, in_order
 from filter.poses.slices import Slices
+from filter.poses.votes import Ballots
 from filter.projection.fallback import Fallback
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
-from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
+from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated, suspects_of_votes
 
 Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Fallback
 Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict
@@ -58,6 +59,7 @@ class Belief:
         slices: The poses of robots whose headings are wide, position and heading together.
         alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not, at the
             start, and after a window's end. What is known of pairs, poses and inner polygons is in these beliefs.
+        votes: Which votes on poses there were, of a filter that holds the truth although one of them is wrong; else None.
         diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
     """
 
@@ -72,6 +74,7 @@ class Belief:
     moved: Moved | None = None
     slices: Slices = field(default_factory=Slices.none)
     alternatives: Alternatives | None = None
+    votes: Ballots | None = None
     diagnosis: Diagnosis | None = None
 
     @property
@@ -83,14 +86,15 @@ class Belief:
     def suspects(self) -> tuple[Suspect, ...]:
         """Who can be wrong, in the time of a doubt, or where it is proved that somebody is who is tolerated; else nobody."""
         tolerated = self.alternatives.suspects if self.alternatives else ()
-        return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated
+        voters = suspects_of_votes(self.slices, self.slices.contradicted(), self.votes.since) if self.votes else ()
+        return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated or voters
 
     @property
     def agrees(self) -> bool:
         """Whether it can be that nobody lies of those whose lies are tolerated, in each case that is in doubt."""
         if self.diagnosis and self.diagnosis.hypotheses:
             return all(each.belief.agrees for each in self.diagnosis.hypotheses)
-        return self.alternatives is None or () in self.alternatives.cases
+        return not len(self.slices.contradicted()) and (self.alternatives is None or () in self.alternatives.cases)
 
     @property
     def alone(self) -> Belief:

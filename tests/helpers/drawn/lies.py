@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from filter import Bearing, Compass, Range, wrap
+from filter import Bearing, Compass, Range, Suspect, wrap
 from filter.diagnosis.told import said_by
 
 
@@ -35,5 +35,21 @@ def one_liar_a_window(frames, suspects, window, rng, *, long=False):
             liar, until = suspects[int(rng.integers(len(suspects)))], frame.time + rng.uniform(0, 2 * window)
         if frame.time <= until and rng.random() < 0.7:
             frame, since = lied(frame, liar, rng, long=long), frame.time  # noqa: PLW2901
+        found.append(frame)
+    return found
+
+
+def pairs_that_lie(frames, robots, bodies, window, rng):
+    """Return frames in which, of each robot at most one pair with some body lies in any window, and several in all."""
+    found, pairs, since = [], [], -np.inf
+    for frame in frames:
+        if frame.time - since > window:
+            order = rng.permutation(bodies)
+            pairs = [each for each in zip(order[::2].tolist(), order[1::2].tolist(), strict=False) if min(each) < robots]
+        if rng.random() < 0.6:
+            since = frame.time
+            for one, other in pairs:
+                for robot, target in ((one, other), (other, one)):
+                    frame = lied(frame, Suspect("sighting", robot, target), rng)  # noqa: PLW2901
         found.append(frame)
     return found

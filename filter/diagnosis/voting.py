@@ -1,0 +1,86 @@
+"""The filter that holds the truth although what some robot says of one body, or is said by it, is wrong: by votes on poses."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from filter.arrays import Array, Integers, checked, instance
+from filter.diagnosis.tolerance import Tolerance
+from filter.errors import Inconsistent
+from filter.geometry.angles import AngularIntervals
+from filter.linear.constraints import WORLD, Constraints
+from filter.linear.sources import Source
+from filter.poses.cells import Most, Told
+from filter.poses.slices import COUNT, DIRECTIONS, Slices
+from filter.poses.votes import Ballots, Polling
+from filter.projection.stop import IsOver
+from filter.records.measurements import Compass, Measurement, Position
+from filter.records.relative import RelativeHeading
+from filter.sensing.arms import Arms
+from filter.sensing.headings import narrowed_headings
+from filter.sensing.readings import Readings
+from filter.sets.belief import Belief
+from filter.sets.conflict import Motion
+from filter.sets.set_membership import StrictFilter
+from filter.sets.suspect import Tolerated, suspects_of_votes
+
+
+@dataclass(frozen=True, eq=False)
+class VotingFilter(StrictFilter):
+    """A `Filter` that is the strict one, or that lets robots measured and seen vote on where they are.
+
+    Attributes:
+        tolerance: Who may lie, and how many at a time; None for nobody.
+    """
+
+    tolerance: Tolerance | None = field(default=None, metadata=checked(instance, "tolerance", Tolerance, type(None)))
+
+    def _predicted(self, belief: Belief, motion: Motion, arena: Array) -> Belief:
+        return replace(super()._predicted(belief, motion, arena), votes=belief.votes)
+
+    def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
+        """Merge and project; sightings are votes on poses, all other measurements are believed."""
+        if self.tolerance is None or not self.tolerance.is_by_votes:
+            return super()._updated(belief, measurements, is_over)
+        believed = tuple(record for record in measurements if isinstance(record, Compass | Position))
+        polled = self._polled(belief, measurements, self.tolerance.window)
+        found = super()._updated(polled, believed, is_over)
+        return replace(found, slices=polled.slices, votes=polled.votes, events=(*polled.events, *found.events))
+
+    def _polled(self, belief: Belief, records: tuple[Measurement, ...], window: float) -> Belief:
+        """Return what votes leave of poses, with the hulls of it as rows; raises `Inconsistent` if that is nothing."""
+        heard = tuple(record for record in records if not isinstance(record, RelativeHeading))
+        readings = Readings.of(belief.time, heard, mountings=self.team.mountings)
+        headings = narrowed_headings(belief.headings, readings, AngularIntervals.circles(len(readings.bearings.robot)))
+        told = Told.of(readings, headings, self.tangent_spacing, Arms.of(readings, headings, len(headings)))
+        poll = Polling(belief.polytope, told, self.team.landmarks, Most(self.cells, self.slices))
+        votes, before = poll.opened(belief.votes, belief.slices, belief.time, window)
+        slices, robots = poll.cast(before), poll.robots
+        nowhere = np.setdiff1d(robots, slices.robot)
+        if not len(nowhere):
+            arcs, reach = slices.hulls(robots)
+            looks = headings[robots].intersection(arcs)
+            nowhere = robots[looks.empty]
+        if len(nowhere):
+            robot, time = int(nowhere[0]), belief.time
+            known = Source("region", time, robot), Source("heading", time, robot)
+            raise Inconsistent(f"at {time} s", [*known, *readings.concerning(robot)], robot)
+        new = np.setdiff1d(slices.contradicted(), before.contradicted())
+        events = tuple(_told(belief.time, slices, votes, robot) for robot in new.tolist())
+        found = replace(belief, headings=headings.replaced(robots, looks), slices=slices, votes=votes, events=events)
+        return _with_rows(found, robots, reach)
+
+
+def _told(time: float, slices: Slices, votes: Ballots, robot: int) -> Tolerated:
+    """Return that it is proved by a time [s] that one of the votes on a robot is wrong."""
+    cases = tuple((suspect,) for suspect in suspects_of_votes(slices, [robot], votes.since))
+    return Tolerated(time, float(votes.since[robot]), cases)
+
+
+def _with_rows(belief: Belief, robots: Integers, reach: Array) -> Belief:
+    """Return a belief in which robots (k,) are behind half-planes in the directions of slices, by supports (k, COUNT) [m]."""
+    table, numbers = belief.sources.extended("cells", belief.time, robots)
+    normals, whose, source = np.tile(DIRECTIONS, (len(robots), 1)), np.repeat(robots, COUNT), np.repeat(numbers, COUNT)
+    rows = Constraints(np.full(len(whose), WORLD), whose, normals, reach.ravel(), source)
+    polytope = belief.polytope.with_constraints(Constraints.concatenate([belief.constraints, rows]))
+    return replace(belief, polytope=polytope, sources=table)

@@ -82,14 +82,15 @@ class Polling(Frozen):
         return np.unique(self.told.robot)
 
     def opened(self, votes: Ballots | None, slices: Slices, time: float, window: float) -> tuple[Ballots, Slices]:
-        """Return votes, and slices before those of a time [s]: windows that are over begin anew [s], and new votes have copies.
+        """Return votes, and slices before those of a time [s]: where a window is over, one begins [s]; new votes have copies.
 
-        Robots that are told something and have no slices get one of all that is known of their pose.
+        Robots that are told something and have no slices begin one, with a slice of all that is known of their pose.
         """
         votes = votes or Ballots.none(len(self.known.lower), len(self.known.lower) + len(self.landmarks))
         now = np.zeros_like(votes.heard)
         now[self.told.robot, self.told.target] = True
-        over = self.robots[time - votes.since[self.robots] >= window]
+        is_over = (time - votes.since[self.robots] >= window) | ~np.isin(self.robots, slices.robot)
+        over = self.robots[is_over]
         since, heard = votes.since.copy(), votes.heard.copy()
         since[over], heard[over] = time, False
         anew = [self._begun(robot, slices) for robot in over.tolist()]

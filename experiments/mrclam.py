@@ -68,8 +68,8 @@ class Options:
     filter: Which = "sets"
     """sets: the one filter for all teams. robust: by votes alone, with evidence on turned and late cameras."""
     tolerate: Literal[0, 1] = 1
-    """1: right although, of each robot, what it and one other body measure of one another is wrong for a while. 0: all is believed
-    that is not proved wrong: smaller regions. What is proved to be more is in doubt until it is found out."""
+    """1: right although, for each robot, what it measures of one body, or one mate of it, is wrong for a while. 0: all is
+    believed that is not proved wrong: smaller regions. What is proved to be more is in doubt until it is found out."""
     certificates: bool = False
     """With --tolerate 0, keep in certified/ what python -m experiments.prove proves again, until robots start over."""
     seed: int = 0

@@ -49,6 +49,8 @@ from filter import (
 Which = Literal["sets", "robust"]
 # Pairs and corners add nothing where odometry leaves so much open; finer slices and tangents do (docs/real-robots.md).
 SETS: dict[str, Any] = {"policy": "reject", "pairs": 0, "corners": False, "slices": 36, "tangent_spacing": 0.1}
+# Barcodes are misread for some pictures in a row, less than a second.
+TOLERANCE = Tolerance(window=20.0, suspects="identities")
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,7 @@ def team_filter(
         raise InvalidInput("--filter sets --tolerate 0 for --certificates, as votes have none", f"{which}, {tolerate}")
     if which == "robust":
         return voting(scenario, Carried(motions), RobustFilter(scenario.team, Rules(tolerate)))
-    return believing(scenario, Carried(motions), proofs, Tolerance(suspects="identities") if tolerate else None)
+    return believing(scenario, Carried(motions), proofs, TOLERANCE if tolerate else None)
 
 
 def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterator[Followed]:

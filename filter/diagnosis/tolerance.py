@@ -12,6 +12,7 @@ from filter.arrays import Frozen, checked, positive, several, shown, whole_numbe
 from filter.diagnosis.told import Records, Who, said, said_by, without
 from filter.errors import InvalidInput
 from filter.linear.sources import NOBODY
+from filter.poses.votes import OF_A_WINDOW
 from filter.records.measurements import Measurement, Range
 from filter.records.record import field_names
 from filter.sets.suspect import Suspect, SuspectKind
@@ -24,7 +25,7 @@ CLASSES: dict[str, tuple[SuspectKind, str]] = {
     "bodies": ("body", "place or marker of a target"),
     "cameras": ("sensor", "sensor of a robot"),
     "compasses": ("compass", "compass of a robot"),
-    "identities": ("sighting", "what it and another body measure of one another"),
+    "identities": ("sighting", "what it measures of one body, or one mate of it"),
 }
 BY_VOTES: SuspectClass = "identities"
 # What one of them does, and what several do.
@@ -59,9 +60,10 @@ class Tolerance(Frozen):
     are exchanged are two bodies. Two that one robot takes for each other are two pairs, as is a path between mates that both
     measure.
 
-    "identities" is for each robot by itself: at most one of what it and some other body measure of one another is wrong. So in
-    all there may be as many as there are robots, and it takes a fraction of the time. But what is measured is then said of each
-    robot's pose alone, not of pairs: with ranges alone that is much less. Relative headings are not used.
+    "identities" is for each robot by itself: of all that it measures of bodies, and mates of it, that of one is wrong, and for
+    a tenth of the window, as barcodes are misread for some pictures in a row. So in all there may be as many as there are
+    robots, and it takes a fraction of the time. But what is measured is then said of each robot's pose alone, not of pairs:
+    with ranges alone that is much less. Relative headings are not used.
 
     Attributes:
         q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window. Of
@@ -90,7 +92,8 @@ class Tolerance(Frozen):
 
     def __str__(self) -> str:
         if self.is_by_votes:
-            return f"if for each robot at most one of these is wrong within any {self.window:g} s: {CLASSES[BY_VOTES][1]}"
+            told = f"{CLASSES[BY_VOTES][1]}, within {OF_A_WINDOW * self.window:g} s"
+            return f"if for each robot at most one of these is wrong within any {self.window:g} s: {told}"
         one = " or ".join(CLASSES[each][1] for each in self.suspects)
         return f"if at most {self.q} of these {LIES[self.lies][self.q > 1]} within any {self.window:g} s: {one}"
 

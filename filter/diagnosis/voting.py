@@ -22,7 +22,7 @@ from filter.sensing.readings import Readings
 from filter.sets.belief import Belief
 from filter.sets.conflict import Motion
 from filter.sets.set_membership import StrictFilter
-from filter.sets.suspect import Tolerated, suspects_of_votes
+from filter.sets.suspect import Suspect, Tolerated
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,8 @@ class VotingFilter(StrictFilter):
         readings = Readings.of(belief.time, heard, mountings=self.team.mountings)
         headings = narrowed_headings(belief.headings, readings, AngularIntervals.circles(len(readings.bearings.robot)))
         told = Told.of(readings, headings, self.tangent_spacing, Arms.of(readings, headings, len(headings)))
-        poll = Polling(belief.polytope, told, self.team.landmarks, Most(self.cells, self.slices))
+        seer = np.concatenate([readings.bearings.robot, readings.ranges.robot])[told.reading]
+        poll = Polling(belief.polytope, told, seer, self.team.landmarks, Most(self.cells, self.slices))
         votes, before = poll.opened(belief.votes, belief.slices, belief.time, window)
         slices, robots = poll.cast(before), poll.robots
         nowhere = np.setdiff1d(robots, slices.robot)
@@ -65,16 +66,18 @@ class VotingFilter(StrictFilter):
             robot, time = int(nowhere[0]), belief.time
             known = Source("region", time, robot), Source("heading", time, robot)
             raise Inconsistent(f"at {time} s", [*known, *readings.concerning(robot)], robot)
-        new = np.setdiff1d(slices.contradicted(), before.contradicted())
-        events = tuple(_told(belief.time, slices, votes, robot) for robot in new.tolist())
+        wrong = slices.contradicted()
+        events = tuple(_told(belief.time, slices, votes, robot) for robot in wrong.tolist())
+        votes, slices = poll.ended(votes, slices, wrong)
         found = replace(belief, headings=headings.replaced(robots, looks), slices=slices, votes=votes, events=events)
         return _with_rows(found, robots, reach)
 
 
 def _told(time: float, slices: Slices, votes: Ballots, robot: int) -> Tolerated:
-    """Return that it is proved by a time [s] that one of the votes on a robot is wrong."""
-    cases = tuple((suspect,) for suspect in suspects_of_votes(slices, [robot], votes.since))
-    return Tolerated(time, float(votes.since[robot]), cases)
+    """Return that it is proved by a time [s] that one of the votes on a robot is wrong, of those that its slices do without."""
+    since, labels = float(votes.since[robot]), np.unique(slices.of(robot).vote).tolist()
+    suspects = (Suspect("sighting", *pair, since) for pair in votes.sightings(robot, labels))
+    return Tolerated(time, since, tuple((suspect,) for suspect in suspects))
 
 
 def _with_rows(belief: Belief, robots: Integers, reach: Array) -> Belief:

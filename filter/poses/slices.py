@@ -36,7 +36,7 @@ FINEST_SLICE = np.radians(2.0)  # slices are no finer than this [rad]
 STRETCHED = 1.5  # slices that are so much wider than they should be, on average, are cut anew
 SLACK = 16 * ANGLE_ROUNDING  # by which arcs are wider, each time they are put together [rad]
 HAIR_OF_CELL = 1e-6  # of a cell of the grid on which they are
-AGREED = -1  # the vote of slices that do without none (see `filter.poses.votes`)
+AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over (see `filter.poses.votes`)
 
 # The root that each of k leaves comes from, their arcs (k, 2), centre and bound [rad], and supports (k, COUNT) [m].
 Leaves = tuple[Integers, Array, Array]
@@ -51,7 +51,7 @@ class Slices(Table):
         centre: (s,) middle of its arc of headings [rad].
         bound: (s,) half-width of that [rad].
         reach: (s, COUNT) supports of the polygon around the positions [m].
-        vote: (s,) the vote that each does without, where one of some votes can be wrong; else AGREED.
+        vote: (s,) the vote that each does without, where one can be wrong, or EARLIER; else AGREED.
     """
 
     robot: Integers

@@ -1,15 +1,16 @@
 """Votes on where each robot is: what is known of its pose although one of them may be wrong.
 
-A vote on a robot is what it and one body measure of one another. Slices that agree with every vote are AGREED. When a body is
-heard for the first time in a robot's window, the agreed slices are copied; the copies do without that vote, but not without
-others. So the truth is in an agreed slice if no vote of the window is wrong, and in one of all slices if at most one is: the
-relaxed intersection (Jaulin, Robust set-membership state estimation, Automatica 2009) by recursion.
+A vote on a robot is what it measures of one body for a while, or one mate of it. Slices that agree with every vote are AGREED.
+When a vote begins, the agreed slices are copied; the copies do without that vote, but not without others. So the truth is in
+an agreed slice if no vote of a window is wrong, and in one of all slices if at most one is: the relaxed intersection (Jaulin,
+Robust set-membership state estimation, Automatica 2009) by recursion.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,26 +18,36 @@ import numpy as np
 from filter.arrays import Array, Frozen, Integers, Mask, places
 from filter.linear.polytope import Polytope
 from filter.poses.cells import START_EDGES, Most, Told, as_sets, sets_of
-from filter.poses.slices import AGREED, Slices, regrouped
+from filter.poses.slices import AGREED, EARLIER, Slices, regrouped
 from filter.poses.turns import Outcome, Sets, Starts, in_turn
+
+OF_A_WINDOW = 0.1  # of a window at most a vote lasts; what follows is another one
 
 
 @dataclass(frozen=True, eq=False)
 class Ballots(Frozen):
-    """Which votes there were on n robots, by or of b bodies, robots first.
+    """Which votes there were on n robots: in column c by its sightings of body c; in the last n by those of each robot of it.
 
     Attributes:
         since: (n,) when the window began in which they count [s]; -inf before the first one.
-        heard: (n, b) which bodies have had a vote on each robot since then.
+        opened: (n, c) when the last vote began [s]; -inf where there was none in this window.
     """
 
     since: Array
-    heard: Mask
+    opened: Array
 
     @classmethod
     def none(cls, robots: int, bodies: int) -> Ballots:
         """Return that there were none."""
-        return cls(np.full(robots, -np.inf), np.zeros((robots, bodies), dtype=bool))
+        return cls(np.full(robots, -np.inf), np.full((robots, bodies + robots), -np.inf))
+
+    def sightings(self, robot: int, labels: Sequence[int]) -> list[tuple[int, int]]:
+        """Return who saw whom in the votes that slices of some labels do without; for EARLIER in any vote of the window."""
+        columns = set(labels) - {AGREED, EARLIER}
+        if EARLIER in labels:
+            columns |= set(np.flatnonzero(self.opened[robot] > -np.inf).tolist())
+        bodies = self.opened.shape[1] - len(self.opened)
+        return [(robot, column) if column < bodies else (column - bodies, robot) for column in sorted(columns)]
 
 
 class Case(NamedTuple):
@@ -44,7 +55,7 @@ class Case(NamedTuple):
 
     Attributes:
         robot: (k,) whose poses.
-        vote: (k,) what is left out, AGREED for nothing.
+        vote: (k,) what is left out, AGREED or EARLIER for nothing.
         first: (k + 1,) where the slices of each begin.
     """
 
@@ -67,51 +78,79 @@ class Polling(Frozen):
     Attributes:
         known: Where robots can be.
         told: The votes: what robots are told.
+        seer: (m,) who measured what is told.
         landmarks: (l, 2) [m].
         most: Into how many parts the poses of a robot are cut at most, in each case.
     """
 
     known: Polytope
     told: Told
+    seer: Integers
     landmarks: Array
     most: Most
 
-    @property
+    @cached_property
     def robots(self) -> Integers:
         """(k,) on whom there are votes."""
         return np.unique(self.told.robot)
 
+    @cached_property
+    def vote(self) -> Integers:
+        """(m,) of which vote what is told is, a column of `Ballots`."""
+        bodies = len(self.known.lower) + len(self.landmarks)
+        return np.where(self.seer == self.told.robot, self.told.target, bodies + self.told.target)
+
     def opened(self, votes: Ballots | None, slices: Slices, time: float, window: float) -> tuple[Ballots, Slices]:
-        """Return votes, and slices before those of a time [s]: where a window is over, one begins [s]; new votes have copies.
+        """Return votes, and slices before those of a time [s]: what is over ends, and votes that begin have copies of slices.
 
-        Robots that are told something and have no slices begin one, with a slice of all that is known of their pose.
+        Where a window [s] is over, one begins, and so for robots that have no slices, with all that is known of their pose.
         """
-        votes = votes or Ballots.none(len(self.known.lower), len(self.known.lower) + len(self.landmarks))
-        now = np.zeros_like(votes.heard)
-        now[self.told.robot, self.told.target] = True
+        robots = len(self.known.lower)
+        votes = votes or Ballots.none(robots, robots + len(self.landmarks))
         is_over = (time - votes.since[self.robots] >= window) | ~np.isin(self.robots, slices.robot)
-        over = self.robots[is_over]
-        since, heard = votes.since.copy(), votes.heard.copy()
-        since[over], heard[over] = time, False
-        anew = [self._begun(robot, slices) for robot in over.tolist()]
-        begun = slices.replaced(over, Slices.concatenate([Slices.none(), *anew]))
-        agreed = begun.select(begun.vote == AGREED)
-        whose, body = np.nonzero(now & ~heard)
-        some, begins = places(np.searchsorted(agreed.robot, np.arange(len(heard) + 1)), whose)
-        copies = replace(agreed.select(some), vote=np.repeat(body, np.diff(begins)))
-        return Ballots(since, heard | now), _in_order([begun, copies])
+        since, opened, over = votes.since.copy(), votes.opened.copy(), self.robots[is_over]
+        since[over], opened[over] = time, -np.inf
+        known = slices.replaced(over, _joined([self._begun(slices.of(robot), robot) for robot in over.tolist()]))
+        closed, cast = np.zeros((2, *opened.shape), dtype=bool)
+        closed[self.robots] = time - opened[self.robots] >= OF_A_WINDOW * window
+        known = self._without(known, closed)
+        cast[self.told.robot, self.vote] = True
+        whose, column = np.nonzero(cast & closed)
+        opened[whose, column] = time
+        agreed = known.select(known.vote == AGREED)
+        some, begins = places(np.searchsorted(agreed.robot, np.arange(robots + 1)), whose)
+        copies = replace(agreed.select(some), vote=np.repeat(column, np.diff(begins)))
+        return Ballots(since, opened), _in_order([known, copies])
 
-    def _begun(self, robot: int, slices: Slices) -> Slices:
+    def ended(self, votes: Ballots, slices: Slices, robots: Integers) -> tuple[Ballots, Slices]:
+        """Return votes and slices where the windows of some robots (k,) are over: all that is left is agreed on."""
+        since, others = votes.since.copy(), slices.without(robots)
+        since[robots] = -np.inf
+        return replace(votes, since=since), _in_order(
+            [others, *(self._as_one(slices.of(robot), AGREED) for robot in robots.tolist())]
+        )
+
+    def _begun(self, mine: Slices, robot: int) -> Slices:
         """Return the slices of a robot as its window begins: all of them agree with what was said before."""
-        mine, headings = slices.of(robot), self.told.headings
         if not len(mine):
-            return Slices.around(robot, self.known.of_robots(np.array([robot])).polygons[0], headings)
-        if (mine.vote == AGREED).all():
-            return mine
+            return Slices.around(robot, self.known.of_robots(np.array([robot])).polygons[0], self.told.headings)
+        return mine if (mine.vote == AGREED).all() else self._as_one(mine, AGREED)
+
+    def _without(self, slices: Slices, closed: Mask) -> Slices:
+        """Return slices that do without no vote that is closed (n, c): those that did do without an earlier one."""
+        is_closed = (slices.vote >= 0) & closed[slices.robot, slices.vote]
+        robots = np.unique(slices.robot[is_closed])
+        is_one = is_closed | ((slices.vote == EARLIER) & np.isin(slices.robot, robots))
+        earlier = slices.select(is_one)
+        return _in_order([slices.select(~is_one), *(self._as_one(earlier.of(robot), EARLIER) for robot in robots.tolist())])
+
+    def _as_one(self, mine: Slices, vote: int) -> Slices:
+        """Return some slices of a robot as ones that do without the same vote, no more than there may be."""
+        robot, headings = mine.robot[0], self.told.headings
         leaves = np.arange(len(mine)), np.stack([mine.centre, mine.bound], axis=1), mine.reach
         heading = np.array([headings.centre[robot], headings.bound[robot]])
         table = regrouped(heading, leaves, len(mine), max(1, self.most.taken_along))
-        return Slices.of_table(np.full(len(table), robot), table)
+        return Slices.of_table(np.full(len(table), robot), table, vote)
 
     def cast(self, slices: Slices) -> Slices:
         """Return what votes leave of slices, in order of robots and votes: each is cut by all but the one it does without.
@@ -136,11 +175,13 @@ class Polling(Frozen):
 
     def _told_to(self, case: Case) -> tuple[Told, Integers]:
         """Return what is told in all cases, one after the other, and from where to where (k, 2) it is in each."""
-        told = self.told
-        rows, begins = places(np.searchsorted(told.robot, np.arange(len(self.known.lower) + 1)), case.robot)
-        kept = told.target[rows] != np.repeat(case.vote, np.diff(begins))
+        rows, begins = places(np.searchsorted(self.told.robot, np.arange(len(self.known.lower) + 1)), case.robot)
+        which = np.repeat(np.arange(len(case.robot)), np.diff(begins))
+        kept = self.vote[rows] != case.vote[which]
         ends = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(kept)])[begins]
-        return told.select(rows[kept]), np.stack([ends[:-1], ends[1:]], axis=1)
+        groups = np.stack([which, np.cumsum(self.told.begins)[rows]])[:, kept]
+        anew = (np.diff(groups, prepend=-1) != 0).any(axis=0)
+        return replace(self.told.select(rows[kept]), begins=anew), np.stack([ends[:-1], ends[1:]], axis=1)
 
     def _starts(self, case: Case, said: Integers, slices: Slices) -> tuple[Starts, Sets]:
         """Return what poses are cut from in each case, and where those can be of whom something is told."""
@@ -152,7 +193,11 @@ class Polling(Frozen):
         return starts, sets_of(self.known, self.landmarks, self.told.target, polygons.margin)
 
 
+def _joined(parts: Sequence[Slices]) -> Slices:
+    return Slices.concatenate([Slices.none(), *parts])
+
+
 def _in_order(parts: Sequence[Slices]) -> Slices:
     """Return slices in order of robots and votes; those of a case stay in theirs."""
-    both = Slices.concatenate(parts)
+    both = _joined(parts)
     return both.select(np.lexsort((both.vote, both.robot)))

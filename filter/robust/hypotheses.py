@@ -20,7 +20,6 @@ from filter.geometry.polygon import Polygon
 from filter.poses.slices import AGREED, COUNT, DIRECTIONS, QUARTER, STRETCHED
 from filter.robust.slices import regrid
 
-EARLIER = -2  # slices that do without a vote that is over
 Cut = Callable[[Array, Array, Array], Mask]  # cuts low, high, reach of slices in place, and says which are left
 
 

@@ -21,7 +21,7 @@ from filter.records.frame import Frame
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
-from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated, suspects_of_votes
+from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
 
 Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Fallback
 Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict
@@ -86,15 +86,15 @@ class Belief:
     def suspects(self) -> tuple[Suspect, ...]:
         """Who can be wrong, in the time of a doubt, or where it is proved that somebody is who is tolerated; else nobody."""
         tolerated = self.alternatives.suspects if self.alternatives else ()
-        voters = suspects_of_votes(self.slices, self.slices.contradicted(), self.votes.since) if self.votes else ()
-        return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated or voters
+        return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated
 
     @property
     def agrees(self) -> bool:
         """Whether it can be that nobody lies of those whose lies are tolerated, in each case that is in doubt."""
         if self.diagnosis and self.diagnosis.hypotheses:
             return all(each.belief.agrees for each in self.diagnosis.hypotheses)
-        return not len(self.slices.contradicted()) and (self.alternatives is None or () in self.alternatives.cases)
+        told = any(isinstance(event, Tolerated) for event in self.events)
+        return not told and (self.alternatives is None or () in self.alternatives.cases)
 
     @property
     def alone(self) -> Belief:

@@ -1,14 +1,10 @@
 """Who can be wrong where something is proved to be, and what happens on the way from a conflict to a culprit."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numpy as np
-
-from filter.arrays import Array
 from filter.linear.sources import Source
-from filter.poses.slices import AGREED, Slices
 from filter.records.names import InWords
 
 SuspectKind = Literal["sighting", "compass", "body", "exchange", "sensor", "past"]
@@ -52,16 +48,6 @@ class Suspect(InWords):
             "past": f"odometry or start of {robot}",
         }
         return told[self.kind]
-
-
-def suspects_of_votes(slices: Slices, robots: Iterable[int], since: Array) -> tuple[Suspect, ...]:
-    """Return whose sightings the votes are that slices of some robots do without; windows began since (n,) [s]."""
-    found = set[Suspect]()
-    for robot in robots:
-        for body in np.unique(slices.of(robot).vote).tolist():
-            pairs = [(robot, body), (body, robot)][: 1 + (body < len(since))]
-            found |= {Suspect("sighting", one, other, float(since[robot])) for one, other in pairs if body != AGREED}
-    return tuple(sorted(found, key=lambda suspect: suspect.who))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Votes on poses: while of each robot no more than one pair lies in any window, the truth is inside, in a slice, too."""
+"""Votes on poses: while of each robot no more than one vote is wrong in any window, the truth is inside, in a slice, too."""
 
 import pickle
 from dataclasses import replace
@@ -30,7 +30,6 @@ from filter import (
 from filter.poses.slices import AGREED, DIRECTIONS
 
 WINDOW = 1.0  # [s]
-HAIR = 2e-3  # by which sets differ that are cut in another order [m]
 
 
 def voting(team, window=WINDOW, **options):
@@ -54,13 +53,13 @@ def in_a_slice(belief, robot, truth):
     return not len(mine) or (looks & (DIRECTIONS @ truth.positions[robot] <= mine.reach).all(axis=1)).any()
 
 
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1))
-def test_the_truth_is_inside_while_of_each_robot_one_pair_lies_in_any_window(seed):
+def test_the_truth_is_inside_while_of_each_robot_one_body_is_wrong_in_any_window(seed):
     rng = np.random.default_rng(seed)
     robots, marks = int(rng.integers(1, 4)), int(rng.integers(1, 4))
     world = World(rng, robots, marks, 4.0, str(rng.choice(["uniform", "extreme"])), origin=rng.choice([0.0, 5e6], 2))
-    frames, before = frames_in(world, 8, bool(rng.random() < 0.3))
+    frames, before = frames_in(world, 7, bool(rng.random() < 0.3))
     filter_ = voting(world.team, pairs=0, cells=int(rng.choice([0, 4, 64])), slices=int(rng.choice([0, 1, 12])))
     belief = filter_.start(0.0, *before)
     for frame in pairs_that_lie(frames, robots, robots + marks, WINDOW, rng):
@@ -108,27 +107,25 @@ def test_it_is_as_large_as_strict_filters_together_each_without_one_body(seed):
 
 
 @pytest.mark.parametrize("compasses", [False, True])
-def test_where_nobody_lies_it_holds_what_the_strict_filter_does_and_the_order_of_records_is_nothing(compasses):
+def test_the_order_of_records_makes_no_difference_and_where_nobody_lies_everybody_agrees(compasses):
     world = World(np.random.default_rng(5), 3, 3, 5.0, sight=9.0)
     frames, before = frames_in(world, 5, compasses)
-    filter_, strict = voting(world.team), SetMembershipFilter(world.team)
-    belief, inside = filter_.start(0.0, *before), strict.start(0.0, *before)
+    filter_ = voting(world.team)
+    belief = filter_.start(0.0, *before)
     for frame in frames:
         shuffled = replace(frame, measurements=tuple(map(_reversed, reversed(frame.measurements))))
         other = stepped(filter_, pickle.loads(pickle.dumps(belief)), shuffled)
-        belief, inside = stepped(filter_, belief, frame), stepped(strict, inside, frame)
+        belief = stepped(filter_, belief, frame)
         assert known(belief) == known(other)
         assert belief.agrees
         assert not belief.suspects
-        for ours, its in zip(belief.regions, inside.regions, strict=True):
-            assert (its.outer.support(ours.outer.normals) <= ours.outer.offsets + HAIR).all()
 
 
 def _reversed(record):
     return replace(record, **{name: value[::-1] for name, value in vars(record).items() if isinstance(value, np.ndarray)})
 
 
-def test_a_lie_that_is_proved_is_told_until_its_window_ends():
+def test_a_lie_that_is_proved_is_told_and_a_new_window_begins():
     world = World(np.random.default_rng(3), 2, 5, 5.0, sight=9.0)
     frames, before = frames_in(world, 7, compasses=True)
     filter_, liar = voting(world.team, window=1.5), Suspect("sighting", 0, 3)
@@ -137,13 +134,12 @@ def test_a_lie_that_is_proved_is_told_until_its_window_ends():
         belief = stepped(filter_, belief, lied(frame, liar, np.random.default_rng(0), size=2.0) if k == 1 else frame)
         told += [event for event in belief.events if isinstance(event, Tolerated)]
         assert not outside(belief, frame.truth).any()
-        assert belief.agrees == (not 1 <= k <= 3)
-        assert belief.agrees or {replace(each, since=0.0) for each in belief.suspects} == {liar}
+        assert belief.agrees == (k != 1)
     (event,) = told
     assert event.time == frames[1].time
     assert [case[0].who for case in event.cases] == [liar.who]
-    words = "in force if for each robot at most one of these is wrong within any 1.5 s: what it and another body measure of one"
-    assert str(belief.guarantee) == f"{words} another"
+    words = "in force if for each robot at most one of these is wrong within any 1.5 s"
+    assert str(belief.guarantee) == f"{words}: what it measures of one body, or one mate of it, within 0.15 s"
 
 
 def test_one_more_lie_than_is_tolerated_is_a_conflict_or_a_doubt():

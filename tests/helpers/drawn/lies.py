@@ -40,16 +40,13 @@ def one_liar_a_window(frames, suspects, window, rng, *, long=False):
 
 
 def pairs_that_lie(frames, robots, bodies, window, rng):
-    """Return frames in which, of each robot at most one pair with some body lies in any window, and several in all."""
-    found, pairs, since = [], [], -np.inf
+    """Return frames of which one in any window has lies: several, but of each robot one says or is said of at most."""
+    found, since = [], -np.inf
     for frame in frames:
-        if frame.time - since > window:
-            order = rng.permutation(bodies)
-            pairs = [each for each in zip(order[::2].tolist(), order[1::2].tolist(), strict=False) if min(each) < robots]
-        if rng.random() < 0.6:
-            since = frame.time
-            for one, other in pairs:
-                for robot, target in ((one, other), (other, one)):
-                    frame = lied(frame, Suspect("sighting", robot, target), rng)  # noqa: PLW2901
+        if frame.time - since > window and rng.random() < 0.6:
+            since, order = frame.time, rng.permutation(bodies).tolist()
+            for one, other in zip(order[::2], order[1::2], strict=False):
+                if one < robots:
+                    frame = lied(frame, Suspect("sighting", one, other), rng)  # noqa: PLW2901
         found.append(frame)
     return found

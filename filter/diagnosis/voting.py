@@ -1,4 +1,4 @@
-"""The filter that holds the truth although what some robot says of one body, or is said by it, is wrong: by votes on poses."""
+"""The filter that holds the truth although one vote on each robot's pose is wrong in any window: what it and a body said."""
 
 from dataclasses import dataclass, field, replace
 
@@ -36,6 +36,7 @@ class VotingFilter(StrictFilter):
     tolerance: Tolerance | None = field(default=None, metadata=checked(instance, "tolerance", Tolerance, type(None)))
 
     def _predicted(self, belief: Belief, motion: Motion, arena: Array) -> Belief:
+        """Return the belief after a motion, with the votes that there were."""
         return replace(super()._predicted(belief, motion, arena), votes=belief.votes)
 
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
@@ -56,21 +57,30 @@ class VotingFilter(StrictFilter):
         seer = np.concatenate([readings.bearings.robot, readings.ranges.robot])[told.reading]
         poll = Polling(belief.polytope, told, seer, self.team.landmarks, Most(self.cells, self.slices))
         votes, before = poll.opened(belief.votes, belief.slices, belief.time, window)
-        slices, robots = poll.cast(before), poll.robots
-        nowhere = np.setdiff1d(robots, slices.robot)
-        if not len(nowhere):
-            arcs, reach = slices.hulls(robots)
-            looks = headings[robots].intersection(arcs)
-            nowhere = robots[looks.empty]
-        if len(nowhere):
-            robot, time = int(nowhere[0]), belief.time
-            known = Source("region", time, robot), Source("heading", time, robot)
-            raise Inconsistent(f"at {time} s", [*known, *readings.concerning(robot)], robot)
+        slices = poll.cast(before)
+        looks, reach = _hulls(slices, headings, readings, poll.robots)
         wrong = slices.contradicted()
         events = tuple(_told(belief.time, slices, votes, robot) for robot in wrong.tolist())
         votes, slices = poll.ended(votes, slices, wrong)
-        found = replace(belief, headings=headings.replaced(robots, looks), slices=slices, votes=votes, events=events)
-        return _with_rows(found, robots, reach)
+        found = replace(belief, headings=headings.replaced(poll.robots, looks), slices=slices, votes=votes, events=events)
+        return _with_rows(found, poll.robots, reach)
+
+
+def _hulls(slices: Slices, headings: AngularIntervals, readings: Readings, robots: Integers) -> tuple[AngularIntervals, Array]:
+    """Return what is left of some of (n) headings, (k) [rad], and supports (k, COUNT) around slices of robots (k,) [m].
+
+    Raises `Inconsistent` if nothing is left of a robot's poses.
+    """
+    nowhere = np.setdiff1d(robots, slices.robot)
+    if not len(nowhere):
+        arcs, reach = slices.hulls(robots)
+        looks = headings[robots].intersection(arcs)
+        if not looks.empty.any():
+            return looks, reach
+        nowhere = robots[looks.empty]
+    robot, time = int(nowhere[0]), readings.ranges.time
+    known = Source("region", time, robot), Source("heading", time, robot)
+    raise Inconsistent(f"at {time} s", [*known, *readings.concerning(robot)], robot)
 
 
 def _told(time: float, slices: Slices, votes: Ballots, robot: int) -> Tolerated:

@@ -62,7 +62,7 @@ class Options:
     """How long at most [s]; to the end if not given."""
     workers: int | None = None
     """How many processes; one on each core if not given."""
-    filter: Which = "robust"
+    filter: Which = "sets"
     """With which filter, as experiments.mrclam has it,"""
     tolerate: Literal[0, 1] = 1
     """and how many wrong votes on a robot it tolerates."""

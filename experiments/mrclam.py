@@ -28,7 +28,7 @@ from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import RobotLog, Run, read_tables, run_of
 from experiments.real_robots.faults import faulty
 from experiments.real_robots.figures import draw_all
-from experiments.real_robots.followed import Followed, team_filter
+from experiments.real_robots.followed import Followed, Which, team_filter
 from experiments.real_robots.frames import frames
 from experiments.real_robots.kalman import kalman_filter
 from experiments.real_robots.metrics import Escaped, Tally, summary_of
@@ -65,9 +65,11 @@ class Options:
     or shifted_camera."""
     fault_robot: int = 1
     """Whose fault it is, by its number in the files."""
+    filter: Which = "sets"
+    """sets: the one filter for all teams. robust: by votes alone, with evidence on turned and late cameras."""
     tolerate: Literal[0, 1] = 1
-    """1: the robust filter, right although one vote of a window is wrong. 0: the one filter for all teams, which believes
-    what is not proved wrong: smaller regions; what is proved wrong is in doubt until it is found out."""
+    """1: right although, for each robot, what it measures of one body, or one mate of it, is wrong for a while. 0: all is
+    believed that is not proved wrong: smaller regions. What is proved to be more is in doubt until it is found out."""
     certificates: bool = False
     """With --tolerate 0, keep in certified/ what python -m experiments.prove proves again, until robots start over."""
     seed: int = 0
@@ -94,7 +96,8 @@ def run(options: Options) -> int:
     bounds = declared.chained()  # the filter goes from frame to frame
     scenario, single = (scenario_of(options, data, robots, each) for each in (bounds, declared))
     proofs = options.out / CERTIFIED
-    sets = team_filter(scenario, Motions(data, robots, bounds), options.tolerate, proofs if options.certificates else None)
+    kept = proofs if options.certificates else None
+    sets = team_filter(scenario, Motions(data, robots, bounds), options.tolerate, kept, options.filter)
     folder = output_folder(options.out)
     rmtree(proofs, ignore_errors=True)  # of an earlier run
     name = f"mrclam_{data.name}_{options.fault}"
@@ -164,6 +167,7 @@ def header_of(options: Options, data: Run, robots: Sequence[int]) -> dict[str, V
         "robot_numbers": options.robots,
         "start_s": options.start,
         "seed": options.seed,
+        "filter": options.filter,
         "tolerate": options.tolerate,
         "fault": options.fault if options.fault == "none" else f"{options.fault}, robot {options.fault_robot}",
         **{f"dropped_{name}": count for name, count in asdict(data.dropped).items()},

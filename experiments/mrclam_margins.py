@@ -20,7 +20,7 @@ from experiments.following.metrics import Value
 from experiments.following.steps import steps
 from experiments.real_robots.bounds import Bounds
 from experiments.real_robots.data import read_tables, run_of
-from experiments.real_robots.followed import team_filter
+from experiments.real_robots.followed import Which, team_filter
 from experiments.real_robots.frames import frames
 from experiments.real_robots.harder import HARDER
 from experiments.real_robots.kalman import kalman_filter
@@ -62,8 +62,10 @@ class Options:
     """How long at most [s]; to the end if not given."""
     workers: int | None = None
     """How many processes; one on each core if not given."""
+    filter: Which = "sets"
+    """With which filter, as experiments.mrclam has it,"""
     tolerate: Literal[0, 1] = 1
-    """With which filter, as experiments.mrclam has it."""
+    """and how many wrong votes on a robot it tolerates."""
     seed: int = 0
     """Where in its initial set each robot starts, and what chance decides of a change."""
     out: Path = Path("runs/mrclam_margins")
@@ -107,7 +109,7 @@ def judged(options: Options, name: str) -> dict[str, Value]:
         for each in (bounds, declared)
     )
     estimates = steps(kalman_filter(single.team), single)
-    sets = team_filter(scenario, Motions(data, team, bounds), options.tolerate)
+    sets = team_filter(scenario, Motions(data, team, bounds), options.tolerate, which=options.filter)
     for step, estimate in zip(sets, estimates, strict=True):
         tally.add(step, estimate.belief)
     figures = summary_of(tally.table(), options.start, tally.resets)

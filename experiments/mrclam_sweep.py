@@ -151,10 +151,10 @@ def judged(options: Options, fault: str, robot: int) -> Outcome:
 
 
 def followed(options: Options, data: Run, team: Sequence[int]) -> Iterator[Followed]:
-    """Follow a run with the filter for real robots, as `experiments.mrclam` does."""
+    """Follow a run with the robust filter, which has evidence on cameras."""
     bounds, generator = Bounds().chained(), np.random.default_rng(options.seed)
     scenario = frames(data, team, options.start, options.duration, bounds=bounds, generator=generator)
-    return team_filter(scenario, Motions(data, team, bounds))
+    return team_filter(scenario, Motions(data, team, bounds), which="robust")
 
 
 def counts(step: Followed, guilty: Mask) -> Integers:

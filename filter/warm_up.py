@@ -40,6 +40,7 @@ def warm_up() -> int:
     _follow(SetMembershipFilter(team, exact=False))
     _follow(RobustFilter(team))
     _tolerated(SetMembershipFilter.light(team, tolerance=Tolerance(1, DURATION, "cameras")))
+    _tolerated(SetMembershipFilter.light(team, tolerance=Tolerance(1, DURATION, "identities")))
     return _made() - before
 
 

@@ -21,6 +21,7 @@ TOLERATED = {
     "bodies_any": Tolerance(1, WINDOW, "bodies"),
     "bodies_long": Tolerance(1, WINDOW, "bodies", "long"),
     "cameras_any": Tolerance(1, WINDOW, "cameras"),
+    "identities_any": Tolerance(1, WINDOW, "identities"),
 }
 IN_WORDS = {
     "pairs_any": "a pair, any lie",
@@ -28,6 +29,7 @@ IN_WORDS = {
     "bodies_any": "a body, any lie",
     "bodies_long": "a body, too long",
     "cameras_any": "a robot's sensor, any lie",
+    "identities_any": "of each robot a pair, any lie",
 }
 OF_TEAMS = {"standing": 3, "moving": 1}  # so many draws of teams, as each case is a belief of its own
 STEPS = 20  # of those that drive

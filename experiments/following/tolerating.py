@@ -12,9 +12,11 @@ class Tolerating:
     """How many may lie, and who."""
 
     tolerate: int = 0
-    """Hold the truth although so many of the suspects lie within any window; each case takes a belief of its own, and time."""
+    """Hold the truth although so many of the suspects lie within any window; but for identities each case takes a belief of its
+    own, and time."""
     suspects: tuple[SuspectClass, ...] = ("pairs",)
-    """Who may lie: pairs (what a robot takes for a target), bodies (place or marker), cameras (a robot's sensor), compasses."""
+    """Who may lie: pairs (what a robot takes for a target), bodies (place or marker), cameras (a robot's sensor), compasses;
+    or identities (of each robot, what it and one other body measure of one another)."""
     lies: Lies = "any"
     """any; long: ranges may be too long, and nothing else is wrong, as with radio."""
     window: float = 5.0

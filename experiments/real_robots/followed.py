@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import tee
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,17 +35,22 @@ from filter import (
     Restarted,
     RobustEvent,
     RobustFilter,
+    Rules,
     SetMembershipFilter,
     Source,
     StartsOver,
     Step,
     Team,
+    Tolerance,
     Turned,
     follow,
 )
 
+Which = Literal["sets", "robust"]
 # Pairs and corners add nothing where odometry leaves so much open; finer slices and tangents do (docs/real-robots.md).
 SETS: dict[str, Any] = {"policy": "reject", "pairs": 0, "corners": False, "slices": 36, "tangent_spacing": 0.1}
+# Barcodes are misread for some pictures in a row, less than a second.
+TOLERANCE = Tolerance(window=20.0, suspects="identities")
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,23 +87,26 @@ class Followed:
         return ~self.guarantee.in_force
 
 
-def team_filter(scenario: Scenario, motions: Motions, tolerate: int = 1, proofs: Path | None = None) -> Iterator[Followed]:
+def team_filter(
+    scenario: Scenario, motions: Motions, tolerate: int = 1, proofs: Path | None = None, which: Which = "sets"
+) -> Iterator[Followed]:
     """Follow the scenario with the filter for real robots, frame by frame.
 
     Args:
         scenario: The run.
         motions: The robots' commands.
-        tolerate: How many wrong votes on a robot do no harm: 1, or 0 with the one filter for all teams.
+        tolerate: How many wrong votes on a robot do no harm, 0 or 1.
         proofs: A folder for all that is to be proved again, or None; with 0 alone.
+        which: The one filter for all teams, or the robust filter.
 
     Raises:
-        InvalidInput: There are no proofs of what votes say.
+        InvalidInput: There are no proofs of what votes say, nor of what the robust filter does.
     """
-    if tolerate == 0:
-        return believing(scenario, Carried(motions), proofs)
-    if proofs is not None:
-        raise InvalidInput("--tolerate 0 for --certificates, as votes have none", f"--tolerate {tolerate}")
-    return voting(scenario, Carried(motions), RobustFilter(scenario.team))
+    if proofs is not None and (tolerate or which == "robust"):
+        raise InvalidInput("--filter sets --tolerate 0 for --certificates, as votes have none", f"{which}, {tolerate}")
+    if which == "robust":
+        return voting(scenario, Carried(motions), RobustFilter(scenario.team, Rules(tolerate)))
+    return believing(scenario, Carried(motions), proofs, TOLERANCE if tolerate else None)
 
 
 def voting(scenario: Scenario, carried: Carried, robust: RobustFilter) -> Iterator[Followed]:
@@ -150,17 +158,20 @@ class Within:
     headings: AngularIntervals
 
 
-def believing(scenario: Scenario, carried: Carried, proofs: Path | None = None) -> Iterator[Followed]:
+def believing(
+    scenario: Scenario, carried: Carried, proofs: Path | None = None, tolerance: Tolerance | None = None
+) -> Iterator[Followed]:
     """Follow with the one filter for all teams, which believes all that is not proved wrong, in frames about carried headings.
 
     Args:
         scenario: The run.
         carried: Makes its frames anew.
         proofs: A folder for all that is to be proved again, or None.
+        tolerance: What may be wrong without harm, or None.
     """
     frames, own = tee(scenario.frames)
     told = carried.scenario(replace(scenario, frames=own))
-    sets = SetMembershipFilter(scenario.team, suspects_all=proofs is not None, **SETS)
+    sets = SetMembershipFilter(scenario.team, suspects_all=proofs is not None, tolerance=tolerance, **SETS)
     with nullcontext() if proofs is None else Provable(proofs, told) as kept:
         for frame, step in zip(frames, steps(sets, told), strict=True):
             if kept is not None:

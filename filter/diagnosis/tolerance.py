@@ -12,11 +12,12 @@ from filter.arrays import Frozen, checked, positive, several, shown, whole_numbe
 from filter.diagnosis.told import Records, Who, said, said_by, without
 from filter.errors import InvalidInput
 from filter.linear.sources import NOBODY
+from filter.poses.votes import OF_A_WINDOW
 from filter.records.measurements import Measurement, Range
 from filter.records.record import field_names
 from filter.sets.suspect import Suspect, SuspectKind
 
-SuspectClass = Literal["pairs", "bodies", "cameras", "compasses"]
+SuspectClass = Literal["pairs", "bodies", "cameras", "compasses", "identities"]
 Lies = Literal["any", "long"]
 # Of each class: its kind of suspects, and what one of them is.
 CLASSES: dict[str, tuple[SuspectKind, str]] = {
@@ -24,7 +25,9 @@ CLASSES: dict[str, tuple[SuspectKind, str]] = {
     "bodies": ("body", "place or marker of a target"),
     "cameras": ("sensor", "sensor of a robot"),
     "compasses": ("compass", "compass of a robot"),
+    "identities": ("sighting", "what it measures of one body, or one mate of it"),
 }
+BY_VOTES: SuspectClass = "identities"
 # What one of them does, and what several do.
 LIES = {
     "any": ("is wrong", "are wrong"),
@@ -57,8 +60,14 @@ class Tolerance(Frozen):
     are exchanged are two bodies. Two that one robot takes for each other are two pairs, as is a path between mates that both
     measure.
 
+    "identities" is for each robot by itself: of all that it measures of bodies, and mates of it, that of one is wrong, and for
+    a tenth of the window, as barcodes are misread for some pictures in a row. So in all there may be as many as there are
+    robots, and it takes a fraction of the time. But what is measured is then said of each robot's pose alone, not of pairs:
+    with ranges alone that is much less. Relative headings are not used.
+
     Attributes:
-        q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window.
+        q: How many at most, from 1 on. It takes a belief for each choice of so many of those that are heard within a window. Of
+            "identities" it is 1 for each robot; they go with no other class, and lie in any way.
         window: How long it is [s]; what can be the case is begun anew so often.
         suspects: A class, or several, of which at most q in all lie.
         lies: "any", or "long": only ranges are ever wrong, and these only too long, as those of radio without a line of sight.
@@ -73,8 +82,18 @@ class Tolerance(Frozen):
         super().__post_init__()
         if self.lies == "long" and self.suspects == ("compasses",):
             raise InvalidInput("suspects that measure ranges, where these are too long", "compasses")
+        if BY_VOTES in self.suspects and (self.q, len(self.suspects), self.lies) != (1, 1, "any"):
+            raise InvalidInput(f"{BY_VOTES} alone, with q = 1 and any lies", f"{self.q}, {self.suspects}, {self.lies}")
+
+    @property
+    def is_by_votes(self) -> bool:
+        """Whether each robot has suspects of its own, who vote on its pose; else there is a case of the team for each."""
+        return self.suspects == (BY_VOTES,)
 
     def __str__(self) -> str:
+        if self.is_by_votes:
+            told = f"{CLASSES[BY_VOTES][1]}, within {OF_A_WINDOW * self.window:g} s"
+            return f"if for each robot at most one of these is wrong within any {self.window:g} s: {told}"
         one = " or ".join(CLASSES[each][1] for each in self.suspects)
         return f"if at most {self.q} of these {LIES[self.lies][self.q > 1]} within any {self.window:g} s: {one}"
 

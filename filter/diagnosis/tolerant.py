@@ -1,12 +1,12 @@
 """The filter that tolerates lies: a belief for each case of who lies, side by side, and what holds in all of them."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from filter.arrays import Array, Integers, checked, instance
+from filter.arrays import Array, Integers
 from filter.diagnosis.cover import cover_of, hulls_of
-from filter.diagnosis.tolerance import Tolerance
 from filter.diagnosis.united import united
+from filter.diagnosis.voting import VotingFilter
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.many import Polygons
@@ -18,19 +18,12 @@ from filter.records.measurements import Measurement
 from filter.records.presence import Change
 from filter.sets.belief import Alternative, Alternatives, Belief
 from filter.sets.conflict import Motion
-from filter.sets.set_membership import StrictFilter
 from filter.sets.suspect import Tolerated
 
 
 @dataclass(frozen=True, eq=False)
-class TolerantFilter(StrictFilter):
-    """A `Filter` that is the strict one, or that goes on while no more lie than it tolerates.
-
-    Attributes:
-        tolerance: Who may lie, and how many at a time; None for nobody.
-    """
-
-    tolerance: Tolerance | None = field(default=None, metadata=checked(instance, "tolerance", Tolerance, type(None)))
+class TolerantFilter(VotingFilter):
+    """A `Filter` that is the strict one, or that goes on while no more lie than it tolerates."""
 
     def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:
         """Return the belief before any measurement; `InvalidInput` also if a polygon is wholly outside the arena."""
@@ -67,7 +60,7 @@ class TolerantFilter(StrictFilter):
     def _updated(self, belief: Belief, measurements: tuple[Measurement, ...], is_over: IsOver) -> Belief:
         """Merge and project in each case that can be, those among them whose suspects are heard for the first time."""
         self._check(belief)
-        if self.tolerance is None:
+        if self.tolerance is None or self.tolerance.is_by_votes:
             return super()._updated(belief, measurements, is_over)
         strictly, believed = super()._updated, self.tolerance.believed
         born = self._born(belief, [measurements])
@@ -79,6 +72,8 @@ class TolerantFilter(StrictFilter):
         self._check(belief)
         if self.tolerance is None:
             return super()._together(belief, frames)
+        if self.tolerance.is_by_votes:
+            return None
         for frame in frames:  # what is not believed of them has to be right in form, too
             self.team.checked(frame.time, frame.measurements, belief.guarantee.away)
         if frames[-1].time - belief.time >= self.tolerance.window:
@@ -97,7 +92,7 @@ class TolerantFilter(StrictFilter):
 
     def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
         """Return whether what holds in every case, after a motion, is proved to exclude measurements."""
-        return super()._excludes(replace(belief, alternatives=None), motion, arena, measurements)
+        return super()._excludes(replace(belief, alternatives=None, votes=None), motion, arena, measurements)
 
     def _begun_for(self, belief: Belief, time: float) -> Belief:
         """Return a belief that can be taken along to a time [s]: with one case alone where the window ends before."""

@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from filter.arrays import Array, Integers
+from filter.arrays import Integers
 from filter.diagnosis.cover import cover_of, hulls_of
-from filter.geometry.convex import EPSILON
 from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD, Constraints
-from filter.poses.slices import DIRECTIONS, NARROW_HEADING, Slices, regrouped
+from filter.poses.slices import NARROW_HEADING, Slices, regrouped
 from filter.sets.belief import Belief
 
 Relative = Callable[[Belief, Integers, Integers], Polygons]  # where other robots are, seen from robots (see `relative`)
@@ -57,7 +56,7 @@ def _of_robot(around: Belief, beliefs: Sequence[Belief], robot: int, most: int) 
     arcs, heading = np.stack([parts.centre, parts.bound], axis=1), around.headings
     whole = np.array([heading.centre[robot], heading.bound[robot]])
     table = regrouped(whole, (np.arange(len(parts)), arcs, np.ascontiguousarray(parts.reach)), len(parts), most)
-    return Slices(np.full(len(table), robot), table[:, 0], table[:, 1], table[:, 2:])
+    return Slices.of_table(np.full(len(table), robot), table)
 
 
 def _poses(belief: Belief, robot: int) -> Iterator[Slices]:
@@ -66,6 +65,4 @@ def _poses(belief: Belief, robot: int) -> Iterator[Slices]:
     if len(mine):
         yield mine
         return
-    supports: Array = belief.regions.outer[robot].support(DIRECTIONS)
-    reach = supports + 4 * EPSILON * np.abs(supports)
-    yield Slices(np.array([robot]), belief.headings.centre[[robot]], belief.headings.bound[[robot]], reach[None])
+    yield Slices.around(robot, belief.regions.outer[robot], belief.headings)

@@ -151,6 +151,20 @@ class AngularIntervals:
         return AngularIntervals._of(*_narrowed((self.centre, self.bound), begin, end, (others.centre, others.bound)))
 
 
+def narrowest(low: Array, high: Array) -> tuple[float, float]:
+    """Return centre and bound of the narrowest arc around some arcs, (s,) from low to high [rad]; it errs outward."""
+    turns = np.floor(low / (2 * np.pi)) * 2 * np.pi
+    first, last = (np.append(ends - turns - 2 * np.pi, ends - turns) for ends in (low, high))  # the circle twice
+    order, count = np.argsort(first), len(low)
+    lows, ends = first[order], np.maximum.accumulate(last[order])
+    gaps = lows[count:] - ends[count - 1 : -1]  # those in front of the second circle's arcs: all are behind them once
+    widest = int(np.argmax(gaps))
+    if gaps[widest] <= 0:
+        return 0.0, np.pi
+    begin, end = lows[count + widest], ends[count - 1 + widest] + 2 * np.pi
+    return float((begin + end) / 2), float((end - begin) / 2 + 1e-12)
+
+
 @compiled
 def _wrapped(centre: Array, bound: Array) -> Array:
     """Return (2, k) centres and bounds of arcs, in (-pi, pi] and up to pi."""

@@ -1,7 +1,7 @@
 """What ranges and bearings of wide directions leave of each robot's poses: the hulls of cells, with its mates as sets."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import overload
 
 import numpy as np
@@ -75,6 +75,11 @@ class Told(Frozen):
         begins = (np.diff(np.stack([robot, target, spots])[:, order], prepend=-1) != 0).any(axis=0)
         which = robot[order], target[order], reading[order], begins, sector[order], own[order]
         return cls(*which, headings, max(spacing, FINEST_TANGENTS), arms)
+
+    def select(self, index: Integers) -> "Told":
+        """Return some of what is told, whole targets of theirs."""
+        names = "robot", "target", "reading", "begins", "sector", "own"
+        return replace(self, **{name: getattr(self, name)[index] for name in names})
 
     def apart(self, robots: Integers) -> tuple[Array, Integers]:
         """Return corners (p, 2) of by how much ways to targets are others than measured, and where (m + 1,) each one's begin.
@@ -203,8 +208,7 @@ class Cases(Frozen, Sequence[ByCases]):
         """Slices of what is left."""
         found = self.found
         some = np.arange(found.slices.shape[1]) < found.kept[:, None]
-        table = found.slices[some]
-        return Slices(np.repeat(self.robot, found.kept), table[:, 0].copy(), table[:, 1].copy(), table[:, 2:].copy())
+        return Slices.of_table(np.repeat(self.robot, found.kept), found.slices[some])
 
     def constraints(self, sources: Integers) -> Constraints:
         """Return the half-planes as rows, from numbers (k,) in the belief's table of sources."""
@@ -248,20 +252,24 @@ class Scene(Frozen):
 
     def _starts(self, robots: Integers, slices: Slices) -> tuple[Starts, Sets]:
         """Return what the poses of robots (k,) are cut from, and where those can be of whom they are told."""
-        whose, known, count = self.told.robot, self.known, len(self.known.lower)
-        targets = np.unique(self.told.target[np.isin(whose, robots)])
-        mates = targets[targets < count]
-        polygons, others = as_sets(known, robots, START_EDGES), as_sets(known, mates, FEW_EDGES)
-        bodies = count + len(self.landmarks)
-        corners, size = np.zeros((bodies, CORNERS_FOR_OTHERS, 2)), np.ones(bodies, dtype=np.int64)
-        corners[count:, 0], size[mates] = self.landmarks, others.counts
-        corners[mates[others.owner], np.arange(len(others.owner)) - others.first[others.owner]] = others.vertices
-        margin = np.array([max(polygons.margin.max(initial=0), others.margin.max(initial=0))])
+        whose, count, polygons = self.told.robot, len(self.known.lower), as_sets(self.known, robots, START_EDGES)
+        sets = sets_of(self.known, self.landmarks, self.told.target[np.isin(whose, robots)], polygons.margin)
         said = np.stack([np.searchsorted(whose, robots), np.searchsorted(whose, robots + 1)], axis=1)
         lines = polygons.normals, polygons.offsets
         of_slices = (slices.centre, slices.bound, slices.reach), np.searchsorted(slices.robot, np.append(robots, count))
-        starts = Starts(robots, said, lines, polygons.vertices, polygons.first, *of_slices)
-        return starts, Sets(corners, size, margin, (known.lower, known.upper))
+        return Starts(robots, said, lines, polygons.vertices, polygons.first, *of_slices), sets
+
+
+def sets_of(known: Polytope, landmarks: Array, targets: Integers, margins: Array) -> Sets:
+    """Return where landmarks (l, 2) are, and robots that are among targets (t,), beside polygons of some margins [m]."""
+    count, bodies = len(known.lower), len(known.lower) + len(landmarks)
+    mates = np.unique(targets[targets < count])
+    others, corners = as_sets(known, mates, FEW_EDGES), np.zeros((bodies, CORNERS_FOR_OTHERS, 2))
+    size = np.ones(bodies, dtype=np.int64)
+    corners[count:, 0], size[mates] = landmarks, others.counts
+    corners[mates[others.owner], np.arange(len(others.owner)) - others.first[others.owner]] = others.vertices
+    margin = np.array([max(margins.max(initial=0), others.margin.max(initial=0))])
+    return Sets(corners, size, margin, (known.lower, known.upper))
 
 
 def few_rows(known: Polytope, robots: Integers, edges: int) -> Constraints:

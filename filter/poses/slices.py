@@ -16,8 +16,9 @@ import numpy as np
 
 from filter.arrays import Array, Integers, Table
 from filter.compiled import compiled, put, sum_of
-from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals
+from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, narrowest
 from filter.geometry.convex import EPSILON
+from filter.geometry.polygon import Polygon
 from filter.poses.cone import wrapped
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
@@ -35,6 +36,7 @@ FINEST_SLICE = np.radians(2.0)  # slices are no finer than this [rad]
 STRETCHED = 1.5  # slices that are so much wider than they should be, on average, are cut anew
 SLACK = 16 * ANGLE_ROUNDING  # by which arcs are wider, each time they are put together [rad]
 HAIR_OF_CELL = 1e-6  # of a cell of the grid on which they are
+AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over (see `filter.poses.votes`)
 
 # The root that each of k leaves comes from, their arcs (k, 2), centre and bound [rad], and supports (k, COUNT) [m].
 Leaves = tuple[Integers, Array, Array]
@@ -49,17 +51,33 @@ class Slices(Table):
         centre: (s,) middle of its arc of headings [rad].
         bound: (s,) half-width of that [rad].
         reach: (s, COUNT) supports of the polygon around the positions [m].
+        vote: (s,) the vote that each does without, where one can be wrong, or EARLIER; else AGREED.
     """
 
     robot: Integers
     centre: Array
     bound: Array
     reach: Array
+    vote: Integers
 
     @classmethod
     def none(cls) -> Slices:
         """Return that there are none."""
-        return cls(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0), np.zeros((0, COUNT)))
+        nobody = np.zeros(0, dtype=np.int64)
+        return cls(nobody, np.zeros(0), np.zeros(0), np.zeros((0, COUNT)), nobody)
+
+    @classmethod
+    def of_table(cls, robots: Integers, table: Array, votes: Integers | int = AGREED) -> Slices:
+        """Return slices (s, 2 + COUNT), centre and bound of an arc [rad] and supports [m], of robots (s,)."""
+        vote = np.broadcast_to(votes, robots.shape).astype(np.int64)
+        return cls(robots, table[:, 0].copy(), table[:, 1].copy(), table[:, 2:].copy(), vote)
+
+    @classmethod
+    def around(cls, robot: int, polygon: Polygon, headings: AngularIntervals) -> Slices:
+        """Return one slice of all poses of a robot, in a polygon and with its own one of the headings (n)."""
+        supports = polygon.support(DIRECTIONS)
+        reach = supports + 4 * EPSILON * np.abs(supports)
+        return cls(np.array([robot]), headings.centre[[robot]], headings.bound[[robot]], reach[None], np.array([AGREED]))
 
     @property
     def arcs(self) -> AngularIntervals:
@@ -73,6 +91,18 @@ class Slices(Table):
     def without(self, robots: Integers) -> Slices:
         """Return those of all other robots than some (k,)."""
         return self.select(~np.isin(self.robot, robots)) if len(self) else self
+
+    def contradicted(self) -> Integers:
+        """Return the robots (k,) that have slices, all of which do without a vote: one of these votes is wrong."""
+        agreed = self.robot[self.vote == AGREED]
+        return np.setdiff1d(self.robot, agreed) if len(agreed) < len(self) else agreed[:0]
+
+    def hulls(self, robots: Integers) -> tuple[AngularIntervals, Array]:
+        """Return what is around the slices of robots (k,) that have some: arcs (k) [rad] and supports (k, COUNT) [m]."""
+        first = np.searchsorted(self.robot, [robots, robots + 1])
+        arcs = [narrowest((self.centre - self.bound)[a:b], (self.centre + self.bound)[a:b]) for a, b in first.T.tolist()]
+        reach = [self.reach[a:b].max(axis=0) for a, b in first.T.tolist()]
+        return AngularIntervals.of_found(*np.array(arcs).reshape(-1, 2).T.copy()), np.array(reach).reshape(-1, COUNT)
 
     def at_most(self, most: int) -> Slices:
         """Return those of robots that have no more than so many: what else is known holds without them, too."""

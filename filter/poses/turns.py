@@ -64,6 +64,7 @@ class Starts(NamedTuple):
         first: (k + 1,) where each polygon begins.
         slices: (s,) centres, (s,) bounds [rad] and (s, COUNT) supports [m] of slices.
         slice_first: (k + 1,) where those of each robot begin.
+        is_taken: Whether those after it are cut by what is found of a robot, in place of what was known.
     """
 
     robot: Integers
@@ -73,6 +74,7 @@ class Starts(NamedTuple):
     first: Integers
     slices: tuple[Array, Array, Array]
     slice_first: Integers
+    is_taken: bool = True
 
 
 class Outcome(NamedTuple):
@@ -119,7 +121,8 @@ def in_turn(some: tuple[int, int], starts: Starts, heard: Heard, sets: Sets, fou
         found.heading[k, 0], found.heading[k, 1] = heard.headings[0][robot], heard.headings[1][robot]
         if not len(roots.corners) or not _found(k, roots, said, sets.margin[0], found):
             return k
-        _take(robot, sets, found.rows[k, : found.edges[k]])
+        if starts.is_taken:
+            _take(robot, sets, found.rows[k, : found.edges[k]])
     return -1
 
 

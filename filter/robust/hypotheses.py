@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask, Table
+from filter.geometry.angles import narrowest
 from filter.geometry.polygon import Polygon
-from filter.poses.slices import COUNT, DIRECTIONS, QUARTER, STRETCHED
+from filter.poses.slices import AGREED, COUNT, DIRECTIONS, QUARTER, STRETCHED
 from filter.robust.slices import regrid
 
-AGREED, EARLIER = -1, -2  # slices that do without no vote; that do without one that is over
 Cut = Callable[[Array, Array, Array], Mask]  # cuts low, high, reach of slices in place, and says which are left
 
 
@@ -74,16 +74,7 @@ class Hypotheses(Table):
 
     def heading(self) -> tuple[float, float]:
         """Return centre and bound of the narrowest arc around all headings [rad]."""
-        turns = np.floor(self.low / (2 * np.pi)) * 2 * np.pi
-        low, high = (np.append(ends - turns - 2 * np.pi, ends - turns) for ends in (self.low, self.high))  # the circle twice
-        order, count = np.argsort(low), len(self)
-        lows, ends = low[order], np.maximum.accumulate(high[order])
-        gaps = lows[count:] - ends[count - 1 : -1]  # those in front of the second circle's slices: all are behind them once
-        widest = int(np.argmax(gaps))
-        if gaps[widest] <= 0:
-            return 0.0, np.pi
-        begin, end = lows[count + widest], ends[count - 1 + widest] + 2 * np.pi
-        return float((begin + end) / 2), float((end - begin) / 2 + 1e-12)
+        return narrowest(self.low, self.high)
 
 
 def polygon_of(reach: Array) -> Polygon:

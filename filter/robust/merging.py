@@ -17,10 +17,10 @@ import numpy as np
 from filter.arrays import Array, Mask
 from filter.guarantee import Guarantee
 from filter.linear.sources import Source
-from filter.poses.slices import COUNT
+from filter.poses.slices import AGREED, COUNT, EARLIER
 from filter.robust.belief import Disagreement, Distrusted, Late, Rejected, Restarted, RobustBelief, RobustEvent, Turned
 from filter.robust.cameras import Alignment, Offsets
-from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
+from filter.robust.hypotheses import Cut, Hypotheses
 from filter.robust.slices import Sighting, narrow, see_any, see_body, see_place, seen_from, stay_within
 from filter.robust.trust import Suspicion, Trust
 from filter.robust.votes import Poll, Rules

@@ -9,7 +9,8 @@ import numpy as np
 
 from filter.arrays import Array, Frozen, Mask, checked, number, whole_number
 from filter.linear.sources import Source
-from filter.robust.hypotheses import AGREED, EARLIER, Cut, Hypotheses
+from filter.poses.slices import AGREED, EARLIER
+from filter.robust.hypotheses import Cut, Hypotheses
 
 # Merged with all others; or so that one of this window, this one or another, is proved wrong, and a new window begins; or not.
 Verdict = Literal["agreed", "contradicted", "rejected"]

@@ -15,6 +15,7 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources, in_order
 from filter.poses.slices import Slices
+from filter.poses.votes import Ballots
 from filter.projection.fallback import Fallback
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
@@ -58,6 +59,7 @@ class Belief:
         slices: The poses of robots whose headings are wide, position and heading together.
         alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not, at the
             start, and after a window's end. What is known of pairs, poses and inner polygons is in these beliefs.
+        votes: Which votes on poses there were, of a filter that holds the truth although one of them is wrong; else None.
         diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
     """
 
@@ -72,6 +74,7 @@ class Belief:
     moved: Moved | None = None
     slices: Slices = field(default_factory=Slices.none)
     alternatives: Alternatives | None = None
+    votes: Ballots | None = None
     diagnosis: Diagnosis | None = None
 
     @property
@@ -90,7 +93,8 @@ class Belief:
         """Whether it can be that nobody lies of those whose lies are tolerated, in each case that is in doubt."""
         if self.diagnosis and self.diagnosis.hypotheses:
             return all(each.belief.agrees for each in self.diagnosis.hypotheses)
-        return self.alternatives is None or () in self.alternatives.cases
+        told = any(isinstance(event, Tolerated) for event in self.events)
+        return not told and (self.alternatives is None or () in self.alternatives.cases)
 
     @property
     def alone(self) -> Belief:

@@ -186,7 +186,8 @@ def test_slices_are_no_finer_than_they_need_be_and_keep_gaps():
 
 
 def test_each_slice_drives_its_own_way():
-    slices = Slices(np.array([0, 0]), np.array([0.0, np.pi / 2]), np.full(2, 1e-3), np.zeros((2, COUNT)))
+    table = np.concatenate([[[0.0, 1e-3], [np.pi / 2, 1e-3]], np.zeros((2, COUNT))], axis=1)
+    slices = Slices.of_table(np.array([0, 0]), table)
     ahead = Odometry(0.0, 1.0, 0, 1.0, 0.01, 0.5, 0.01, 0.0, 0.0)
     moved = slices.moved(ahead, Team(1, speed_limit=2.0, turn_rate_limit=1.0), 1.0)
     assert moved.centre == pytest.approx([0.5, np.pi / 2 + 0.5])

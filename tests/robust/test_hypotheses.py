@@ -5,7 +5,8 @@ import pytest
 
 from filter.geometry.angles import wrap
 from filter.geometry.polygon import Polygon
-from filter.robust.hypotheses import AGREED, EARLIER, Hypotheses, polygon_of, reach_of
+from filter.poses.slices import AGREED, EARLIER
+from filter.robust.hypotheses import Hypotheses, polygon_of, reach_of
 
 
 def drawn(rng, count=6):

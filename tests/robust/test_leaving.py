@@ -9,8 +9,8 @@ from filter import Bearing, Odometry, Range
 from filter.geometry.angles import AngularIntervals
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
+from filter.poses.slices import EARLIER
 from filter.robust.belief import Disagreement, Restarted
-from filter.robust.hypotheses import EARLIER
 from filter.robust.robust_filter import RobustFilter
 from filter.team import Team
 

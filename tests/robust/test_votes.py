@@ -7,7 +7,8 @@ import pytest
 
 from filter.errors import InvalidInput
 from filter.geometry.polygon import Polygon
-from filter.robust.hypotheses import AGREED, Hypotheses, reach_of
+from filter.poses.slices import AGREED
+from filter.robust.hypotheses import Hypotheses, reach_of
 from filter.robust.slices import stay_within
 from filter.robust.votes import Poll, Rules, Votes
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from filter import Bearing, Compass, Range, wrap
+from filter import Bearing, Compass, Range, Suspect, wrap
 from filter.diagnosis.told import said_by
 
 
@@ -35,5 +35,18 @@ def one_liar_a_window(frames, suspects, window, rng, *, long=False):
             liar, until = suspects[int(rng.integers(len(suspects)))], frame.time + rng.uniform(0, 2 * window)
         if frame.time <= until and rng.random() < 0.7:
             frame, since = lied(frame, liar, rng, long=long), frame.time  # noqa: PLW2901
+        found.append(frame)
+    return found
+
+
+def pairs_that_lie(frames, robots, bodies, window, rng):
+    """Return frames of which one in any window has lies: several, but of each robot one says or is said of at most."""
+    found, since = [], -np.inf
+    for frame in frames:
+        if frame.time - since > window and rng.random() < 0.6:
+            since, order = frame.time, rng.permutation(bodies).tolist()
+            for one, other in zip(order[::2], order[1::2], strict=False):
+                if one < robots:
+                    frame = lied(frame, Suspect("sighting", one, other), rng)  # noqa: PLW2901
         found.append(frame)
     return found

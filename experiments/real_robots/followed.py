@@ -160,7 +160,7 @@ def believing(scenario: Scenario, carried: Carried, proofs: Path | None = None) 
     """
     frames, own = tee(scenario.frames)
     told = carried.scenario(replace(scenario, frames=own))
-    sets = SetMembershipFilter(scenario.team, suspects_all=proofs is not None, **SETS)
+    sets = SetMembershipFilter(scenario.team, each_alone=proofs is not None, **SETS)
     with nullcontext() if proofs is None else Provable(proofs, told) as kept:
         for frame, step in zip(frames, steps(sets, told), strict=True):
             if kept is not None:

@@ -23,7 +23,7 @@ from filter.sets.regions import Regions
 from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
 
 Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Fallback
-Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict
+Used = Mapping[tuple[str, int, int], int]  # at how many instants what each says was merged, tests counting for several
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,6 +196,7 @@ class Hypothesis:
         used: What was merged since the doubt began.
         is_over: Whether it was wrong, and is right again by evidence: it is listened to.
         agreed: Whether nobody had to lie meanwhile of those whose lies are tolerated: else it is no evidence for anybody.
+        fits: At how many instants in a row what its suspects say would have fitted, too.
         name: By which those that follow from it tell it from others.
         unites: Names of those that it was just made from, as it contains each of them; none where it follows from one.
         anew: Robots that were anywhere since the last update.
@@ -206,6 +207,7 @@ class Hypothesis:
     used: Used = field(default_factory=dict)
     is_over: bool = False
     agreed: bool = True
+    fits: int = 0
     name: str = ""
     unites: tuple[str, ...] = ()
     anew: frozenset[int] = frozenset()

@@ -16,7 +16,7 @@ INSTANTS = 10 * TEST  # at so many instants at least has it spoken, in tests at 
 METRES = 3.0  # so far has its robot driven: a turned camera agrees with itself until then [m]
 BODIES, OFTEN = 2, 5 * TEST  # so many different ones were seen by its robot, or have seen it, each at so many instants
 AGAIN = 2  # who was found guilty is trusted again after so many times that
-EXCHANGED = 5  # an instant counts for so many if markers are taken as exchanged: as that says where they are
+EXCHANGED = 7  # an instant counts for so many if markers are taken as exchanged: as that says where they are
 FITS = 10  # at so many instants in a row has what it says fitted what is known without it
 PLACE, HEADING = 0.5, np.radians(15)  # a pose known as well as this contradicts what is grossly wrong [m], [rad]
 

@@ -106,10 +106,9 @@ def _further(each: Hypothesis, tried: Tried, used: Used) -> Found:
 
 def used_by(each: Hypothesis, suspect: Suspect, left: Records, known: Belief) -> Used:
     """Return who has said something that was merged, with what is left of one instant; exchanged markers are as they came."""
-    tests = put_to_test(left, known)
     if says_who(each):
-        left, tests = without(suspect, left), without(suspect, tests)
-    return counted(each.used, left, tests)
+        return counted(each.used, without(suspect, left), ())
+    return counted(each.used, left, put_to_test(left, known))
 
 
 def says_who(each: Hypothesis) -> bool:

@@ -119,8 +119,8 @@ def filter_of(options: Options, team: Team) -> Filter[Any]:
         return ExtendedKalmanFilter(team)
     make = SetMembershipFilter.light if options.light else SetMembershipFilter
     scope = Window.everybody() if options.hops is None else Window(options.hops)
-    tolerance, everybody = options.tolerating.tolerance(), options.certificates
-    return make(team, scope=scope, policy=options.policy, tolerance=tolerance, suspects_all=everybody)
+    tolerance, proved = options.tolerating.tolerance(), options.certificates
+    return make(team, scope=scope, policy=options.policy, tolerance=tolerance, each_alone=proved)
 
 
 def every_of(options: Options) -> float:

@@ -104,7 +104,7 @@ def run(options: Options) -> int:
         solvers=SOLVERS if options.solver == EXACT else (options.solver, *SOLVERS),
         scope=Window.everybody() if options.hops is None else Window(options.hops),
         policy=options.policy,
-        suspects_all=options.certificates,
+        each_alone=options.certificates,
     )
     folder = output_folder(options.out)
     following = Following(options, scenario, folder)

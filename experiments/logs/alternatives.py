@@ -77,10 +77,10 @@ class Alternatives:
         if np.isinf(self._team.arena).any() and any(one.anew or one.suspects[0].kind == "past" for one in tried):
             raise InvalidInput(f"{PROVABLE} in a closed arena, in which robots can be that are anywhere", "an open one")
         if missing := self._not_tried(belief, born):
-            raise InvalidInput(f"{PROVABLE} in which all were suspected who said anything", "; ".join(missing))
+            raise InvalidInput(f"{PROVABLE} in which each suspect was tried alone", "; ".join(missing))
 
     def _not_tried(self, belief: Belief, born: Sequence[Tried]) -> list[str]:
-        """Return in words who can be wrong, too, when a doubt begins, but was not suspected."""
+        """Return in words who can be wrong, too, when a doubt begins, but was not tried alone."""
         if not born:
             return []
         first = min([*(each.time for each in born[0].beliefs), *(one.end[0] for one in born if one.end)])

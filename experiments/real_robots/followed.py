@@ -171,7 +171,7 @@ def believing(
     """
     frames, own = tee(scenario.frames)
     told = carried.scenario(replace(scenario, frames=own))
-    sets = SetMembershipFilter(scenario.team, suspects_all=proofs is not None, tolerance=tolerance, **SETS)
+    sets = SetMembershipFilter(scenario.team, each_alone=proofs is not None, tolerance=tolerance, **SETS)
     with nullcontext() if proofs is None else Provable(proofs, told) as kept:
         for frame, step in zip(frames, steps(sets, told), strict=True):
             if kept is not None:

@@ -1,22 +1,54 @@
 """When what a suspect says has agreed with all else for so long, and so variously, that it is believed: evidence, no proof."""
 
-from filter.arrays import Array
-from filter.diagnosis.told import Who
+from collections import Counter
+
+import numpy as np
+
+from filter.arrays import Array, Integers, Mask
+from filter.diagnosis.told import Records, Who, said, some
 from filter.linear.sources import NOBODY
-from filter.sets.belief import Used
+from filter.sensing.readings import targets_of
+from filter.sets.belief import Belief, Used
 from filter.sets.suspect import Suspect
 
-INSTANTS = 10  # at so many instants at least has it spoken
+TEST = 4  # a test counts for so many instants: all else tells enough then to contradict what is said
+INSTANTS = 10 * TEST  # at so many instants at least has it spoken, in tests at fewer
 METRES = 3.0  # so far has its robot driven: a turned camera agrees with itself until then [m]
-BODIES, OFTEN = 2, 5  # so many different ones were seen by its robot, or have seen it, each at so many instants
+BODIES, OFTEN = 2, 5 * TEST  # so many different ones were seen by its robot, or have seen it, each at so many instants
 AGAIN = 2  # who was found guilty is trusted again after so many times that
+EXCHANGED = 7  # an instant counts for so many if markers are taken as exchanged: as that says where they are
+FITS = 10  # at so many instants in a row has what it says fitted what is known without it
+PLACE, HEADING = 0.5, np.radians(15)  # a pose known as well as this contradicts what is grossly wrong [m], [rad]
 
 
-def is_enough(suspect: Suspect, used: Used, metres: Array, times: int = 1) -> bool:
+def counted(used: Used, records: Records, tests: Records) -> Used:
+    """Return at how many instants each has said something, with one more; more yet for who has said something in a test."""
+    return Counter(used) + Counter(said(records)) + Counter(dict.fromkeys(said(tests), TEST - 1))
+
+
+def put_to_test(records: Records, known: Belief) -> Records:
+    """Return those readings that what is known already could contradict if they were grossly wrong.
+
+    Whoever measures knows its pose, and of a mate that it measures the place is known, to within `PLACE` and `HEADING`.
+    """
+    placed = np.max(known.polytope.upper - known.polytope.lower, axis=1) <= PLACE
+    knows = placed & (known.headings.bound <= HEADING)
+    left = (some(each, knows[each.robot] & _placed(targets_of(each), placed)) for each in records)
+    return tuple(record for record in left if record is not None)
+
+
+def _placed(target: Integers, placed: Mask) -> Mask:
+    """Return (k,) whether the places of targets are known, as those of landmarks are."""
+    is_mate = (target != NOBODY) & (target < len(placed))
+    return ~is_mate | placed[np.where(is_mate, target, 0)]
+
+
+def is_enough(suspect: Suspect, used: Used, metres: Array, times: int = 1, *, weight: int = 1) -> bool:
     """Return whether what was merged of a suspect's without a conflict, over (n,) metres driven since [m], acquits it.
 
-    If times are said, it has to have spoken, and driven, so many times as often and as far.
+    If times are said, it has to have spoken, and driven, so many times as often and as far; every instant counts for a weight.
     """
+    used = {who: weight * count for who, count in used.items()}
     if _instants(suspect, used) < times * INSTANTS:
         return False
     tested = (robot for robot in _by(suspect, used) if len(bodies_of(robot, used)) >= BODIES)

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-from filter.diagnosis.told import Records, counted, signature, without
+from filter.diagnosis.evidence import counted, put_to_test
+from filter.diagnosis.told import Records, signature, without
 from filter.errors import Inconsistent
 from filter.records.odometry import Odometry
 from filter.sets.belief import Belief, Hypothesis, Tried, Used
@@ -18,7 +19,7 @@ class Strict:
 
     Attributes:
         robots: How many there are.
-        suspects_all: Whether everybody is suspected in a conflict.
+        each_alone: Whether each suspect is tried alone in a conflict, so that there is a proof of each.
         words: Says something with the names of the team.
         anywhere: Returns the belief in which a robot is anywhere, with any heading.
         predict: Returns the belief at a later time [s]; an error names what is in conflict.
@@ -29,7 +30,7 @@ class Strict:
     """
 
     robots: int
-    suspects_all: bool
+    each_alone: bool
     words: Callable[[object], str]
     anywhere: Callable[[Belief, int], Belief]
     predict: Callable[[Belief, float, Odometry | None], Belief]
@@ -62,8 +63,11 @@ def moved_on(strict: Strict, each: Hypothesis, time: float, odometry: Odometry |
     return replace(each, belief=strict.wander(each.belief, time, odometry, lost), anew=lost)
 
 
-def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool) -> list[Found]:
-    """Return a hypothesis after measurements and what came of it, for each of its suspects that leave out others."""
+def merged(strict: Strict, each: Hypothesis, records: Records, known: Belief, *, is_early: bool) -> list[Found]:
+    """Return a hypothesis after measurements and what came of it, for each of its suspects that leave out others.
+
+    What is known in all cases tells which of the measurements are tests.
+    """
     groups, left = dict[object, list[Suspect]](), dict[object, Records]()
     for suspect in each.suspects:
         some = records if each.is_over else without(suspect, records)
@@ -74,9 +78,21 @@ def merged(strict: Strict, each: Hypothesis, records: Records, *, is_early: bool
         name = each.name if len(groups) == 1 else f"{each.name}.{number}"
         begun = Tried(name, each.name, tuple(suspects), (), each.anew)
         tried = _merged(strict, begun, each.belief, left[case], is_early=is_early and not each.is_over)
-        used = counted(each.used, records) if each.is_over else used_by(each.used, suspects[0], left[case])
-        found.append(_further(each, tried, used))
+        used = used_by(each, suspects[0], left[case], known)
+        fits = each.fits + 1 if _fits(strict, each, left[case], records) else 0
+        found.append(_further(replace(each, fits=fits), tried, used))
     return found
+
+
+def _fits(strict: Strict, each: Hypothesis, left: Records, records: Records) -> bool:
+    """Return whether all records of an instant fit what a hypothesis knows, with those that it leaves out."""
+    if says_who(each) or signature(left) == signature(records):
+        return True
+    try:
+        strict.updated(each.belief, records)
+    except Inconsistent:
+        return False
+    return True
 
 
 def _further(each: Hypothesis, tried: Tried, used: Used) -> Found:
@@ -84,19 +100,27 @@ def _further(each: Hypothesis, tried: Tried, used: Used) -> Found:
     if tried.end:
         return None, tried
     belief, *_ = (*tried.beliefs, each.belief)
-    return Hypothesis(tried.suspects, belief, used, each.is_over, each.agreed and belief.agrees, tried.name), tried
+    agreed = each.agreed and belief.agrees
+    return Hypothesis(tried.suspects, belief, used, each.is_over, agreed, each.fits, tried.name), tried
 
 
-def used_by(used: Used, suspect: Suspect, left: Records) -> Used:
+def used_by(each: Hypothesis, suspect: Suspect, left: Records, known: Belief) -> Used:
     """Return who has said something that was merged, with what is left of one instant; exchanged markers are as they came."""
-    return counted(used, without(suspect, left) if suspect.kind == "exchange" else left)
+    if says_who(each):
+        return counted(each.used, without(suspect, left), ())
+    return counted(each.used, left, put_to_test(left, known))
+
+
+def says_who(each: Hypothesis) -> bool:
+    """Return whether a hypothesis says of two markers that each is the other."""
+    return each.suspects[0].kind == "exchange" and not each.is_over
 
 
 def as_told(each: Hypothesis) -> Used:
     """Return what a hypothesis has used of bodies by the names that were told: not what it took for another's."""
-    (suspect, *_) = each.suspects
-    if each.is_over or suspect.kind != "exchange":
+    if not says_who(each):
         return each.used
+    (suspect, *_) = each.suspects
     return {who: count for who, count in each.used.items() if who[2] not in suspect.who[1:]}
 
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from filter.arrays import Array
 from filter.diagnosis.cover import cover_of
-from filter.diagnosis.evidence import is_enough
-from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again
+from filter.diagnosis.evidence import EXCHANGED, FITS, is_enough
+from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again, says_who
 from filter.diagnosis.replays import tried_again
 from filter.diagnosis.starting_over import Wrong, more_is_wrong
-from filter.diagnosis.suspects import everybody, suspects_of
+from filter.diagnosis.suspects import everybody, named_by
 from filter.diagnosis.told import Records, signature, without, without_robots
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
@@ -40,10 +40,9 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
     """
     since = diagnosis.recent[0].before.time
     frames = [frame for each in diagnosis.recent for frame in each.frames]
-    suspects, named = (suspects_of(conflict, some, strict.robots, since) for some in (frames, ()))
-    if strict.suspects_all:  # of each it is asked why not: so none are tried together
-        suspects = named = everybody(frames, set(range(strict.robots)) - belief.guarantee.away, strict.robots, since)
-    living, tried = _both(tried_again(strict, diagnosis.recent, suspects, named))
+    suspects = everybody(frames, set(range(strict.robots)) - belief.guarantee.away, strict.robots, since)
+    alone = suspects if strict.each_alone else named_by(conflict, strict.robots, since)
+    living, tried = _both(tried_again(strict, diagnosis.recent, suspects, alone))
     begun = replace(
         diagnosis,
         recent=(),
@@ -80,7 +79,7 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     """Return what is known in a doubt after measurements of its time. Robots that start over are not listened to meanwhile."""
     heard = without_robots({trial.suspect.who[1] for trial in diagnosis.suspended}, records) if diagnosis.suspended else records
     is_early = diagnosis.instants < RENEWED
-    found = chain.from_iterable(merged(strict, each, heard, is_early=is_early) for each in diagnosis.hypotheses)
+    found = chain.from_iterable(merged(strict, each, heard, belief, is_early=is_early) for each in diagnosis.hypotheses)
     living, tried = _both(tuple(found))
     now = replace(diagnosis, hypotheses=living, instants=diagnosis.instants + 1, tried=diagnosis.tried + tried)
     if not living:
@@ -164,10 +163,16 @@ def _acquitted(strict: Strict, diagnosis: Diagnosis, heard: Records) -> tuple[Di
 def _agrees(suspect: Suspect, hypotheses: Sequence[Hypothesis], metres: Array) -> bool:
     """Return whether some hypothesis has used for long enough what a suspect says, and has tolerated no lie meanwhile.
 
-    One of an exchange may have used it as another's: then, too, whoever measured was right. No other exchange is.
+    Besides, what it says has to fit what is known without it. One of an exchange may have used it as another's: then, too,
+    whoever measured was right, though it does not fit. No other exchange is.
     """
-    others = (each for each in hypotheses if each.agreed and (each.is_over or suspect not in each.suspects))
-    return any(is_enough(suspect, as_told(each) if suspect.kind == "exchange" else each.used, metres) for each in others)
+    others = [each for each in hypotheses if each.agreed and (each.is_over or suspect not in each.suspects)]
+    if suspect.kind == "exchange":
+        return any(is_enough(suspect, as_told(each), metres) for each in others)
+    if any(is_enough(suspect, each.used, metres, weight=EXCHANGED) for each in others if says_who(each)):
+        return True
+    fits = all(each.fits >= FITS for each in hypotheses if suspect in each.suspects and not each.is_over)
+    return fits and any(is_enough(suspect, each.used, metres) for each in others)
 
 
 def _joined(over: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:

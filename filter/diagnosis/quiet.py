@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from filter.diagnosis.evidence import AGAIN, is_enough
+from filter.diagnosis.evidence import AGAIN, counted, is_enough, put_to_test
 from filter.diagnosis.hypotheses import Strict
 from filter.diagnosis.judging import assumption, driven, in_doubt
 from filter.diagnosis.starting_over import confirmed, merged_apart
-from filter.diagnosis.told import Records, counted, in_one_order, without_all
+from filter.diagnosis.told import Records, in_one_order, without_all
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
@@ -101,5 +101,5 @@ def _tried(strict: Strict, belief: Belief, trial: Trial, records: Records) -> Tr
         except Inconsistent:
             found = None
         if found is not None and found.agrees:
-            return replace(trial, belief=found, used=counted(trial.used, records))
+            return replace(trial, belief=found, used=counted(trial.used, records, put_to_test(records, belief)))
     return Trial(trial.suspect, belief.time, belief.alone, {}, np.zeros(strict.robots))

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from filter.diagnosis.hypotheses import Found, Strict, used_by
+from filter.diagnosis.hypotheses import Found, Strict
 from filter.diagnosis.told import Records, Who, signature, without, without_all
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
@@ -17,7 +17,7 @@ ALONE = ("past", "sighting")
 
 
 def tried_again(
-    strict: Strict, recent: Sequence[Recent], suspects: Sequence[Suspect], named: Collection[Suspect]
+    strict: Strict, recent: Sequence[Recent], suspects: Sequence[Suspect], alone: Collection[Suspect]
 ) -> tuple[Found, ...]:
     """Return what is known after the last instants if one of the suspects is wrong, in each case, and what came of it.
 
@@ -25,8 +25,8 @@ def tried_again(
         strict: What the strict filter does.
         recent: The last instants.
         suspects: Who can be wrong.
-        named: Those of them who have a part in the conflict itself: one of these it is, most often. With others some
-            may be tried together: of these nothing is told.
+        alone: Whoever is tried alone: those who have a part in the conflict itself, as one of these it is, most often; or
+            all, as of those who are tried together nothing is told.
 
     Algorithm:
         Whoever leaves out less than what leaves a contradiction leaves one, too: each of many who leave one together, and a
@@ -34,7 +34,7 @@ def tried_again(
     """
     before, frames = recent[0].before, [frame for each in recent for frame in each.frames]
     ordered = sorted(suspects, key=lambda each: (TRIED_FIRST.index(each.kind), each.who))
-    others = [each for each in ordered if each not in named and each.kind not in ALONE]
+    others = [each for each in ordered if each not in alone and each.kind not in ALONE]
     dead = {each.who for each in others} - {each.who for each in _not_excluded(strict, before, frames, others)}
     cases, known = dict[object, list[Suspect]](), dict[object, Tried]()
     for suspect in ordered:
@@ -48,18 +48,15 @@ def tried_again(
             dead.add(suspect.who)
         cases.setdefault(case, []).append(suspect)
     numbered = enumerate(cases.items(), 1)
-    return tuple(
-        _begun(replace(known[case], name=str(number), suspects=tuple(some)), frames) for number, (case, some) in numbered
-    )
+    return tuple(_begun(replace(known[case], name=str(number), suspects=tuple(some))) for number, (case, some) in numbered)
 
 
-def _begun(tried: Tried, frames: Sequence[Frame]) -> Found:
+def _begun(tried: Tried) -> Found:
     """Return the hypothesis after some instants, if it can be, and what came of it."""
     if tried.end:
         return None, tried
-    suspect, belief = tried.suspects[0], tried.beliefs[-1]
-    used = used_by({}, suspect, _leavings(suspect, frames[-1:])[0])
-    return Hypothesis(tried.suspects, belief, used, agreed=belief.agrees, name=tried.name), tried
+    belief = tried.beliefs[-1]
+    return Hypothesis(tried.suspects, belief, agreed=belief.agrees, name=tried.name), tried
 
 
 def _not_excluded(strict: Strict, before: Belief, frames: Sequence[Frame], suspects: Sequence[Suspect]) -> list[Suspect]:

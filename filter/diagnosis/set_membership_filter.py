@@ -38,12 +38,12 @@ class SetMembershipFilter(TolerantFilter):
     Attributes:
         policy: What to do when measurements are proved to disagree: "raise"; or "reject" what is wrong: go on with what is
             known whichever one thing that is, until it is found out, then without that.
-        suspects_all: Whether in a conflict all are suspected who said anything in the last instants, as certificates ask for;
-            otherwise whom the conflict names, and those behind what was known, which takes less time.
+        each_alone: Whether in a conflict each suspect is tried alone, so that there is a proof of each, as certificates ask
+            for; otherwise those whom the conflict does not name are tried together, which takes less time.
     """
 
     policy: Policy = "raise"
-    suspects_all: bool = field(default=False, metadata=checked(instance, "suspects_all", bool))
+    each_alone: bool = field(default=False, metadata=checked(instance, "each_alone", bool))
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -140,7 +140,7 @@ class SetMembershipFilter(TolerantFilter):
         def predicted(belief: Belief, time: float, odometry: Odometry | None) -> Belief:
             return self._predicted(replace(belief, moved=None), (time, odometry), self.team.arena)
 
-        known = self.team.robots, self.suspects_all, self.team.words
+        known = self.team.robots, self.each_alone, self.team.words
         return Strict(*known, self._anywhere, super().predict, predicted, updated, briefly, named)
 
     def _anywhere(self, belief: Belief, robot: int) -> Belief:

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from filter.diagnosis.evidence import is_enough
+from filter.diagnosis.evidence import counted, is_enough, put_to_test
 from filter.diagnosis.hypotheses import Strict
-from filter.diagnosis.told import Records, counted, without_robots, without_ties
+from filter.diagnosis.told import Records, without_robots, without_ties
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.sets.belief import Belief, Diagnosis, Event, Trial
@@ -69,7 +69,7 @@ def merged_apart(strict: Strict, belief: Belief, records: Records, diagnosis: Di
     heard = without_ties(robots, strict.robots, records)
     try:
         found = strict.updated(belief, heard)
-        return found, _further(diagnosis, heard) if found.agrees else _again(diagnosis, belief.time), heard
+        return found, _further(diagnosis, heard, belief) if found.agrees else _again(diagnosis, belief.time), heard
     except Inconsistent:
         heard = without_robots(robots, heard)
     again = strict.elsewhere(belief.alone, robots)
@@ -82,8 +82,9 @@ def _again(diagnosis: Diagnosis, time: float) -> Diagnosis:
     return replace(diagnosis, suspended=begun)
 
 
-def _further(diagnosis: Diagnosis, records: Records) -> Diagnosis:
-    trials = tuple(replace(trial, used=counted(trial.used, records)) for trial in diagnosis.suspended)
+def _further(diagnosis: Diagnosis, records: Records, known: Belief) -> Diagnosis:
+    tests = put_to_test(records, known)
+    trials = tuple(replace(trial, used=counted(trial.used, records, tests)) for trial in diagnosis.suspended)
     return replace(diagnosis, suspended=trials)
 
 

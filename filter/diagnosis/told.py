@@ -1,6 +1,5 @@
 """What suspects say: readings without those of one, or with markers exchanged, and who has said something in them."""
 
-from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
@@ -11,7 +10,6 @@ from filter.linear.sources import NOBODY
 from filter.records.measurements import Compass, Measurement
 from filter.records.record import field_names
 from filter.sensing.readings import Readings, targets_of
-from filter.sets.belief import Used
 from filter.sets.suspect import Suspect
 
 Records = tuple[Measurement, ...]
@@ -39,7 +37,7 @@ def without_all(suspects: Iterable[Suspect], records: Records) -> Records:
 def without_robots(robots: Collection[int], records: Records) -> Records:
     """Return what is left without all that some robots measured, and that was measured of them."""
     out = list(robots)
-    left = (_some(each, ~np.isin(each.robot, out) & ~np.isin(targets_of(each), out)) for each in records)
+    left = (some(each, ~np.isin(each.robot, out) & ~np.isin(targets_of(each), out)) for each in records)
     return tuple(record for record in left if record is not None)
 
 
@@ -49,7 +47,7 @@ def without_ties(robots: Collection[int], bodies: int, records: Records) -> Reco
     for record in records:
         target = targets_of(record)
         one, other, mates = np.isin(record.robot, out), np.isin(target, out), (target != NOBODY) & (target < bodies)
-        left.append(_some(record, ~mates | (one == other)))
+        left.append(some(record, ~mates | (one == other)))
     return tuple(record for record in left if record is not None)
 
 
@@ -65,11 +63,6 @@ def said(records: Records) -> set[Who]:
         found |= {("sighting", robot, target) for robot, target in pairs}
         found |= {("body", NOBODY, target) for _, target in pairs if target != NOBODY}
     return found
-
-
-def counted(used: Used, records: Records) -> Used:
-    """Return at how many instants each has said something, with one more."""
-    return Counter(used) + Counter(said(records))
 
 
 def signature(records: Records) -> tuple[tuple[str, bytes, bytes], ...]:
@@ -91,7 +84,7 @@ def said_by(suspect: Suspect, record: Measurement) -> Mask:
 
 def _left(suspect: Suspect, record: Measurement) -> Measurement | None:
     if suspect.kind != "exchange":
-        return _some(record, ~said_by(suspect, record))
+        return some(record, ~said_by(suspect, record))
     return record if isinstance(record, Compass) else _exchanged(suspect, record, targets_of(record))
 
 
@@ -103,11 +96,11 @@ def _exchanged(suspect: Suspect, record: Any, target: Integers) -> Measurement |
         return record
     columns = {name: getattr(record, name) for name in field_names(record)}
     columns["target"] = np.where(one, second, np.where(other, first, target))
-    return _some(type(record).of_checked(record.time, columns), columns["target"] != record.robot)
+    return some(type(record).of_checked(record.time, columns), columns["target"] != record.robot)
 
 
-def _some(record: Any, keep: Mask) -> Measurement | None:
-    """Return some of a record; None for nothing."""
+def some(record: Any, keep: Mask) -> Any:
+    """Return those (k,) readings of a record that are to be kept; None for nothing."""
     if keep.all():
         return record
     columns = {name: getattr(record, name)[keep] for name in field_names(record)}

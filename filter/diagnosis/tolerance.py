@@ -102,9 +102,8 @@ class Tolerance(Frozen):
         spoken, kinds = set[Who](), [CLASSES[each][0] for each in self.suspects]
         for records in instants:
             spoken |= said(records if self.lies == "any" else tuple(each for each in records if isinstance(each, Range)))
-        known = [(kind, robot, target) for kind in kinds for told, robot, target in spoken if told == kind]
-        found = [Suspect(kind, _body(robot), _body(target), since) for kind, robot, target in known if _is_there(kind, target)]
-        return tuple(sorted(found, key=lambda suspect: suspect.who))
+        known = sorted(who for who in spoken if who[0] in kinds and _is_there(who[0], who[2]))
+        return tuple(Suspect.of(who, since) for who in known)
 
     def believed(self, lying: Iterable[Suspect], records: Records) -> Records:
         """Return what still holds of records if some suspects lie."""
@@ -113,11 +112,7 @@ class Tolerance(Frozen):
         return records
 
 
-def _body(number: int) -> int | None:
-    return None if number == NOBODY else number
-
-
-def _is_there(kind: SuspectKind, target: int) -> bool:
+def _is_there(kind: str, target: int) -> bool:
     """Return whether there is such a suspect: a position is of nobody."""
     return kind in ("sensor", "compass") or target != NOBODY
 

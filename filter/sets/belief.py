@@ -24,7 +24,7 @@ from filter.sets.regions import Regions
 from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
 
 Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Fallback
-Used = Mapping[tuple[str, int, int], int]  # at how many instants what each suspect says was merged without a conflict
+Used = Mapping[tuple[str, int, int], int]  # at how many instants what each says was merged, tests counting for several
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +52,8 @@ class Belief:
         guarantee: In force, if need be under the assumption that one thing alone is wrong; suspended where more is.
         found: (n) where each robot is, as the last update found; None at the start and after a prediction.
         events: What came into doubt, who was judged, and where walks and solvers failed.
-        proofs: Why every edge of every region holds, every side of the polytope's box, and every edge of the pairs that
-            were projected, as of the last update; before them what was proved case by case, and what directions were read
-            from. Where an update took several rounds, one after the other. None after a prediction.
+        proofs: Why every edge of the regions, the polytope's box and the pairs that were projected holds, round after round of
+            the last update; before them what was proved case by case, and what directions were read from.
         moved: What a prediction was made from; None at the start and after an update.
         slices: The poses of robots whose headings are wide, position and heading together.
         alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not, at the
@@ -200,6 +199,7 @@ class Hypothesis:
         used: What was merged since the doubt began.
         is_over: Whether it was wrong, and is right again by evidence: it is listened to.
         agreed: Whether nobody had to lie meanwhile of those whose lies are tolerated: else it is no evidence for anybody.
+        fits: At how many instants in a row what its suspects say would have fitted, too.
         name: By which those that follow from it tell it from others.
         unites: Names of those that it was just made from, as it contains each of them; none where it follows from one.
         anew: Robots that were anywhere since the last update.
@@ -210,6 +210,7 @@ class Hypothesis:
     used: Used = field(default_factory=dict)
     is_over: bool = False
     agreed: bool = True
+    fits: int = 0
     name: str = ""
     unites: tuple[str, ...] = ()
     anew: frozenset[int] = frozenset()

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Self, cast
 
-from filter.linear.sources import Source
+from filter.linear.sources import NOBODY, Source
 from filter.records.names import InWords
 
 SuspectKind = Literal["sighting", "compass", "body", "exchange", "sensor", "past"]
@@ -29,10 +29,17 @@ class Suspect(InWords):
     target: int | None = None
     since: float = 0.0
 
+    @classmethod
+    def of(cls, who: tuple[str, int, int], since: float) -> Self:
+        """Return the suspect of a kind, a robot and a target, -1 for nobody, since a time [s]."""
+        robot, target = (None if body == NOBODY else body for body in who[1:])
+        return cls(cast("SuspectKind", who[0]), robot, target, since)
+
     @property
     def who(self) -> tuple[str, int, int]:
         """The suspect without its time, in an order of its own."""
-        return self.kind, -1 if self.robot is None else self.robot, -1 if self.target is None else self.target
+        robot, target = (NOBODY if body is None else body for body in (self.robot, self.target))
+        return self.kind, robot, target
 
     def __str__(self) -> str:
         return self._in_words(lambda body: f"robot {body}" if body == self.robot or self.kind == "exchange" else str(body))

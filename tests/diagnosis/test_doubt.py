@@ -14,6 +14,7 @@ from helpers.worlds import exact_claim
 
 from experiments.broken.fault import KINDS
 from filter import Budget, Directions, Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
+from filter.diagnosis.evidence import FITS
 from filter.diagnosis.judging import _acquitted
 from filter.diagnosis.quiet import MEMORY
 from filter.projection.stop import never
@@ -28,10 +29,10 @@ def without_diagnosis(belief):
 
 
 @cache
-def doubtful(kind="misread", seed=1, landmarks=4, *, suspects_all=False):
+def doubtful(kind="misread", seed=1, landmarks=4, *, each_alone=False):
     """Return an episode, the beliefs up to the first that is in doubt, and the frames after it."""
     episode = drawn(kind, seed, landmarks)
-    beliefs = followed(episode, going_on(episode.team, suspects_all=suspects_all))
+    beliefs = followed(episode, going_on(episode.team, each_alone=each_alone))
     first = next(k for k, belief in enumerate(beliefs) if belief.suspects)
     return episode, beliefs[: first + 1], episode.frames[first + 1 :]
 
@@ -116,7 +117,7 @@ def test_what_is_said_names_who_can_be_wrong_and_the_assumption():
 
 
 def test_of_each_case_it_is_kept_for_a_step_why_it_cannot_be_or_what_is_known():
-    episode, beliefs, frames = doubtful(suspects_all=True)
+    episode, beliefs, frames = doubtful(each_alone=True)
     known = beliefs[-1].diagnosis
     ended = [one for one in known.tried if one.end]
     assert {one.name for one in known.tried} - {one.name for one in ended} == {case.name for case in known.hypotheses}
@@ -126,7 +127,7 @@ def test_of_each_case_it_is_kept_for_a_step_why_it_cannot_be_or_what_is_known():
         nothing = one.end[1][-1]
         assert isinstance(nothing, Directions) or nothing.of == "nothing"
         assert isinstance(nothing, Directions) or exact_claim(nothing, 0) < 0
-    later = stepped(going_on(episode.team, suspects_all=True), beliefs[-1], frames[0])
+    later = stepped(going_on(episode.team, each_alone=True), beliefs[-1], frames[0])
     assert {one.parent for one in later.diagnosis.tried} == {case.name for case in known.hypotheses}
     assert all(len(one.beliefs) == 1 for one in later.diagnosis.tried if not one.end)
 
@@ -217,9 +218,9 @@ def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays
     known = beliefs[-1].diagnosis
     one, other, third = (Suspect("past", robot) for robot in range(3))
     left, right = beliefs[1].alone, beliefs[2].alone
-    used = {("sensor", 0, -1): 99, ("sighting", 0, 4): 99, ("sighting", 0, 5): 99, ("body", -1, 1): 99, ("sighting", 1, 4): 9}
-    used |= {("sighting", 1, 5): 9, ("compass", 1, -1): 99}
-    cases = [Hypothesis((one,), left, {}), Hypothesis((other,), right, {}), Hypothesis((third,), left, used)]
+    used = {("sensor", 0, -1): 99, ("sighting", 0, 4): 99, ("sighting", 0, 5): 99, ("body", -1, 1): 99, ("sighting", 1, 4): 99}
+    used |= {("sighting", 1, 5): 99, ("compass", 1, -1): 99}
+    cases = [Hypothesis((one,), left, fits=FITS), Hypothesis((other,), right, fits=FITS), Hypothesis((third,), left, used)]
     now = replace(known, hypotheses=tuple(cases), metres=np.full(3, 9.0))
     found, freed = _acquitted(going_on(episode.team)._strict(never), now, ())
     living = found.hypotheses

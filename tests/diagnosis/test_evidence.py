@@ -1,13 +1,14 @@
 """When a suspect is acquitted by evidence: often enough, among different bodies, and tested by metres or a second sensor."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from helpers.drawn.broken import drawn, followed
 
-from filter.diagnosis.evidence import AGAIN, INSTANTS, METRES, OFTEN, is_enough
-from filter.diagnosis.suspects import suspects_of
-from filter.linear.sources import Source
-from filter.records.frame import Frame
-from filter.records.measurements import Compass, Range
+from filter import AngularIntervals, Bearing, Compass
+from filter.diagnosis.evidence import AGAIN, HEADING, INSTANTS, METRES, OFTEN, PLACE, TEST, counted, is_enough, put_to_test
+from filter.diagnosis.told import said
 from filter.sets.suspect import Suspect
 
 SENSOR, FAR, NEAR = Suspect("sensor", 0), np.array([METRES, 0.0]), np.array([METRES - 0.01, 99.0])
@@ -49,32 +50,23 @@ def test_who_was_guilty_needs_so_many_times_as_much():
     assert not is_enough(SENSOR, often, FAR, AGAIN)
 
 
-def who(sources, frames=(), robots=3):
-    return {suspect.who for suspect in suspects_of(sources, frames, robots, 1.0)}
+def test_an_instant_may_count_for_several():
+    assert is_enough(SENSOR, {who: count / 5 for who, count in SEEN.items()}, FAR, weight=5)
+    assert not is_enough(SENSOR, {who: count / 5 for who, count in SEEN.items()}, FAR, weight=4)
 
 
-def test_each_part_of_a_conflict_stands_for_who_can_be_wrong():
-    assert who([Source("compass", 2.0, 1)]) == {("compass", 1, -1)}
-    assert who([Source("position", 2.0, 1)]) == {("sensor", 1, -1)}
-    assert who([Source("arena", 2.0, 1)]) == set()
-    assert who([Source("pair", 2.0, 0, 2)]) == {("past", 0, -1), ("past", 2, -1)}
-    for kind in ("region", "heading", "initial set", "odometry", "speed limit", "turn limit"):
-        assert who([Source(kind, 2.0, 1)]) == {("past", 1, -1)}
-    landmark = {("sensor", 0, -1), ("body", -1, 4), ("sighting", 0, 4)}
-    mate = {("sensor", 0, -1), ("body", -1, 1), ("sighting", 0, 1), ("exchange", 1, 2)}
-    for kind in ("bearing", "range", "relative heading"):
-        assert who([Source(kind, 2.0, 0, 1)]) == mate
-    assert who([Source("range", 2.0, 0, 4)]) == landmark
-    assert all(suspect.since == 1.0 for suspect in suspects_of([Source("compass", 2.0, 1)], (), 3, 1.0))
-
-
-def test_what_was_known_of_a_robot_rests_on_what_was_measured_by_it_and_of_it():
-    frames = [Frame(1.0, None, [Compass(1.0, [0, 1], 0.0, 0.1), Range(1.0, [0, 1, 2], [4, 4, 0], 1.0, 0.1, 0.0)])]
-    last = Frame(2.0, None, [Range(2.0, 1, 5, 1.0, 0.1, 0.0)])
-    found = who([Source("region", 2.0, 0)], [*frames, last])
-    assert found == {
-        *(("past", 0, -1), ("past", 2, -1), ("compass", 0, -1), ("sensor", 0, -1), ("sensor", 2, -1)),
-        *(("body", -1, 4), ("body", -1, 0), ("sighting", 0, 4), ("sighting", 2, 0), ("exchange", 0, 1)),
+def test_it_is_a_test_if_the_pose_of_whoever_measures_is_known_and_the_place_of_a_mate():
+    belief = followed(drawn(None, 1), count=1)[0].alone
+    middle, half = np.zeros((3, 2)), np.array([[0.5], [0.5], [0.51]]) * PLACE  # nobody knows well where robot 2 is
+    polytope = replace(belief.polytope, lower=middle - half, upper=middle + half)
+    headings = AngularIntervals(np.zeros(3), np.array([HEADING, HEADING + 0.01, 0.1]))  # nor how robot 1 looks
+    known = replace(belief, polytope=polytope, headings=headings)
+    records = (Compass(0.0, [0, 1, 2], 0.0, 0.1), Bearing(0.0, [0, 0, 0, 1, 2], [1, 2, 4, 4, 4], 0.1, 0.1))
+    tests = said(put_to_test(records, known))
+    assert {who for who in tests if who[0] in ("compass", "sighting")} == {
+        ("compass", 0, -1),
+        ("sighting", 0, 1),
+        ("sighting", 0, 4),
     }
-    assert who([Source("region", 2.0, 0)], frames) == {("past", 0, -1)}
-    assert who([Source("compass", 2.0, 0)], [*frames, last]) == {("compass", 0, -1)}
+    used = counted({("compass", 1, -1): 2}, records, put_to_test(records, known))
+    assert [used[who] for who in (("compass", 1, -1), ("sighting", 0, 4), ("sighting", 0, 2))] == [3, TEST, 1]

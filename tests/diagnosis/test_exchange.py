@@ -7,8 +7,8 @@ import pytest
 from helpers.drawn.broken import culprit, drawn, followed, outside
 
 from experiments.broken.fault import LASTING
-from filter import Bearing, Inconsistent, Judged, Suspect
-from filter.diagnosis.evidence import INSTANTS
+from filter import AngularIntervals, Bearing, Inconsistent, Judged, Suspect
+from filter.diagnosis.evidence import EXCHANGED, FITS, INSTANTS
 from filter.diagnosis.hypotheses import Strict, as_told, merged, right_again
 from filter.diagnosis.judging import _acquitted
 from filter.diagnosis.told import said
@@ -20,6 +20,7 @@ SENSOR, BODY, SIGHTING = Suspect("sensor", 2), Suspect("body", None, 1), Suspect
 SEEN = (Bearing(0.0, [2, 2], [1, 4], [0.1, 0.2], 0.1),)
 METRES = np.array([0.0, 0.0, 9.0, 0.0])
 SOON = 10  # frames after which a fault is to be known
+ENOUGH = -(-INSTANTS // EXCHANGED)  # so many instants at which markers are taken as exchanged
 
 
 def strict(empty=()):
@@ -37,14 +38,15 @@ def strict(empty=()):
 
 @pytest.fixture(scope="module")
 def belief():
-    return followed(drawn(None, 1), count=1)[0].alone
+    """Return a belief by which nobody knows a heading, so that no sighting is a test."""
+    return replace(followed(drawn(None, 1), count=1)[0].alone, headings=AngularIntervals.circles(3))
 
 
-def explaining(belief, suspect=EXCHANGE, times=INSTANTS):
+def explaining(belief, suspect=EXCHANGE, times=ENOUGH):
     """Return a hypothesis that has used what is seen, so many times."""
     each = Hypothesis((suspect,), belief)
     for _ in range(times):
-        ((each, _),) = merged(strict(), each, SEEN, is_early=False)
+        ((each, _),) = merged(strict(), each, SEEN, belief, is_early=False)
     return each
 
 
@@ -62,7 +64,9 @@ def test_what_was_exchanged_is_told_of_by_the_names_that_it_came_with(belief):
 
 
 def test_who_would_see_itself_has_said_nothing(belief):
-    ((each, _),) = merged(strict(), Hypothesis((EXCHANGE,), belief), (Bearing(0.0, [0, 2], [1, 1], 0.1, 0.1),), is_early=False)
+    ((each, _),) = merged(
+        strict(), Hypothesis((EXCHANGE,), belief), (Bearing(0.0, [0, 2], [1, 1], 0.1, 0.1),), belief, is_early=False
+    )
     assert ("sighting", 0, 1) not in each.used
     assert ("sighting", 2, 1) in each.used
 
@@ -71,7 +75,21 @@ def test_who_would_see_itself_has_said_nothing(belief):
 def test_it_acquits_who_read_the_marker_and_the_marker(belief, suspect):
     other = Hypothesis((suspect,), belief)
     assert judged_by([explaining(belief), other], {(2, 1)})[1] == (suspect,)
-    assert judged_by([explaining(belief, times=INSTANTS - 1), other], {(2, 1)})[1] == ()
+    assert judged_by([explaining(belief, times=ENOUGH - 1), other], {(2, 1)})[1] == ()
+
+
+def test_whoever_else_is_acquitted_has_said_what_fits_without_it(belief):
+    used = explaining(belief, times=INSTANTS).used
+    for fits, freed in ((FITS, (SENSOR,)), (FITS - 1, ())):
+        own = Hypothesis((SENSOR,), belief, fits=fits)
+        assert judged_by([Hypothesis((Suspect("past", 0),), belief, used), own])[1] == freed
+
+
+def test_what_does_not_fit_what_is_known_without_it_begins_anew(belief):
+    own = Hypothesis((SENSOR,), belief, fits=7)
+    for empty, fits in (((), 8), ({(2, 1)}, 0)):
+        ((each, _),) = merged(strict(empty), own, SEEN, belief, is_early=False)
+        assert each.fits == fits
 
 
 def test_no_exchange_acquits_another_by_what_it_has_exchanged(belief):
@@ -106,8 +124,8 @@ def test_what_an_acquitted_exchange_took_for_another_acquits_nobody_later(belief
 
 
 def test_where_nothing_would_be_left_nobody_is_acquitted(belief):
-    used = explaining(belief).used
-    cases = [Hypothesis((SENSOR,), belief, used), Hypothesis((BODY,), belief, used)]
+    used = explaining(belief, times=INSTANTS).used
+    cases = [Hypothesis((each,), belief, used, fits=FITS) for each in (SENSOR, BODY)]
     living, freed = judged_by(cases, {(2, 1)})
     assert freed == ()
     assert list(living) == cases

@@ -48,12 +48,12 @@ def living(found):
 
 @pytest.mark.parametrize(("kind", "landmarks"), list(zip(KINDS, cycle([4, 2]), strict=False)))
 def test_many_at_once_are_excluded_as_one_by_one(kind, landmarks, monkeypatch):
-    (strict, recent, suspects, named), times = of_the_doubt(kind, landmarks, monkeypatch)
+    (strict, recent, suspects, alone), times = of_the_doubt(kind, landmarks, monkeypatch)
     count = len(times)
     times.clear()
     apart = living(tried_again(strict, recent, suspects, suspects))
     assert count <= len(times)
-    for some in (named, ()):  # whoever is named has a part in most conflicts: nobody is, so that these are among the many
+    for some in (alone, ()):  # whoever is named is in most conflicts: of nobody, so that these are among the many
         together = living(tried_again(strict, recent, suspects, some))
         assert [each.suspects for each in together] == [each.suspects for each in apart]
         for one, other in zip(together, apart, strict=True):

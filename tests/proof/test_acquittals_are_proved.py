@@ -14,13 +14,18 @@ from experiments.proof.edges import add
 from experiments.proof.given.frame import Start
 from experiments.proof.given.log import Log
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
+from filter.diagnosis import evidence, judging
 
 
 @pytest.fixture(scope="module")
 def acquitted(tmp_path_factory):
-    """Return the folder of a run in which two suspects are acquitted by evidence, and are one case from then on."""
+    """Return the folder of a run in which two suspects are acquitted by little evidence, and are one case from then on."""
     path = tmp_path_factory.mktemp("acquitted")
-    followed(path, "misread", 2, 25, 0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evidence, "INSTANTS", 9)
+        patch.setattr(evidence, "OFTEN", 5)
+        patch.setattr(judging, "FITS", 1)
+        followed(path, "misread", 2, 25, 0)
     return path
 
 

@@ -21,9 +21,9 @@ from experiments.proof.reading import Broken
 from experiments.proof.wrong import everybody, without, without_both
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
 from experiments.prove import main as prove_command
-from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, Source, StartsOver, Step, Suspect, Team
+from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, StartsOver, Step, Suspect, Team
 from filter.diagnosis.replays import _without_them
-from filter.diagnosis.suspects import suspects_of
+from filter.diagnosis.suspects import everybody as suspected
 from filter.diagnosis.told import without as left_by
 
 FORGED = {}
@@ -315,15 +315,9 @@ def test_of_what_comes_with_a_motion_there_are_no_certificates(why, tmp_path):
         Alternatives(Team(2, np.zeros((3, 2)))).of(step)
 
 
-def test_without_everybody_among_the_suspects_there_are_no_certificates(tmp_path):
-    with pytest.raises(InvalidInput, match="in which all were suspected who said anything"):
-        followed(tmp_path, "start", 4, 1, 0, suspects_all=False)
-
-
-def suspects_in(frames, robots):
-    """Return all whom the filter may suspect in frames, whatever the conflict."""
-    pasts = [Source("region", 0.0, robot) for robot in range(robots)]
-    return suspects_of(pasts, [*frames, Frame(99.0)], robots, 0.0)
+def test_of_suspects_that_are_tried_together_there_are_no_certificates(tmp_path):
+    with pytest.raises(InvalidInput, match="in which each suspect was tried alone"):
+        followed(tmp_path, "start", 4, 1, 0, each_alone=False)
 
 
 def read_back(path, episode, frames):
@@ -346,7 +340,7 @@ def test_who_can_be_wrong_and_what_that_leaves_is_as_in_the_filter(landmarks, tm
     """Two ways to say it, of which one knows nothing of the other."""
     episode = drawn("compass", 5, landmarks)
     frames = [Frame(frame.time, frame.odometry, frame.measurements) for frame in episode.frames[:4]]
-    given, suspects = read_back(tmp_path, episode, frames), suspects_in(frames, 3)
+    given, suspects = read_back(tmp_path, episode, frames), suspected(frames, range(3), 3, 0.0)
     assert {suspect.who for suspect in suspects} == everybody(given, 3)
     assert {suspect.kind for suspect in suspects} == {"past", "compass", "sensor", "body", "sighting", "exchange"}
     for suspect in suspects:

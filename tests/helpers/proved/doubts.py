@@ -31,14 +31,14 @@ def written(path, filter_, header, initial, frames):
     return found
 
 
-def followed(path, kind, landmarks, count, cells, *, suspects_all=True):
+def followed(path, kind, landmarks, count, cells, *, each_alone=True):
     """Write log and certificates of an episode, up to so many frames; return it, and the belief after each."""
     episode = drawn(kind, 3, landmarks)
     arcs = episode.headings
     heads = [None] * 3 if arcs is None else list(zip(arcs.centre.tolist(), arcs.bound.tolist(), strict=True))
     initial = [InitialSet(one.vertices, head) for one, head in zip(episode.positions, heads, strict=True)]
     header = Header(episode.team, 0.0, 1.0)
-    filter_ = going_on(episode.team, cells=cells, suspects_all=suspects_all)
+    filter_ = going_on(episode.team, cells=cells, each_alone=each_alone)
     return episode, written(path, filter_, header, initial, episode.frames[:count])
 
 
@@ -49,7 +49,7 @@ def lied(path, about, arena=(-4.0, 10.0)):
     arcs, sets = world.initial_headings(0.2), world.initial_sets()
     heads = zip(arcs.centre.tolist(), arcs.bound.tolist(), strict=True)
     initial = [InitialSet(one.vertices, head) for one, head in zip(sets, heads, strict=True)]
-    filter_ = SetMembershipFilter.light(world.team, policy="reject", cells=0, suspects_all=True)
+    filter_ = SetMembershipFilter.light(world.team, policy="reject", cells=0, each_alone=True)
     return written(path, filter_, Header(world.team, 0.0, 10.0), initial, _frames(world, about))
 
 

@@ -49,9 +49,10 @@ def test_the_summary_has_all_that_is_asked_for_and_nothing_that_nobody_measures(
     assert 1 <= summary["tolerance_over_exact_long"] < 1.1
     assert summary["price_alone_pairs_any"] > summary["price_alone_pairs_long"] > 1
     assert summary["price_moving_bodies_any"] >= summary["price_moving_pairs_any"]
+    assert summary["price_moving_identities_any"] > 1
     assert summary["price_moving_cameras_any_step_ms"] > 0
     assert summary["tolerant_escapes"] == summary["tolerant_heading_escapes"] == 0
-    assert summary["tolerant_checks"] == 2 * 5 + 5 * 3 * 3
+    assert summary["tolerant_checks"] == 2 * 5 + 6 * 3 * 3
     assert summary["too_short"]
 
 

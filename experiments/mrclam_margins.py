@@ -63,9 +63,9 @@ class Options:
     workers: int | None = None
     """How many processes; one on each core if not given."""
     filter: Which = "sets"
-    """With which filter, as experiments.mrclam has it,"""
+    """With which filter, as experiments.mrclam has it."""
     tolerate: Literal[0, 1] = 1
-    """and how many wrong votes on a robot it tolerates."""
+    """How many wrong votes on a robot do no harm, as experiments.mrclam has it."""
     seed: int = 0
     """Where in its initial set each robot starts, and what chance decides of a change."""
     out: Path = Path("runs/mrclam_margins")

@@ -31,7 +31,8 @@ class Wrong(NamedTuple):
 def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis, more: Wrong) -> Belief:
     """Return what is known if not one thing alone can be wrong: the robots that this can be of start over, if need be all.
 
-    Robots that start over are apart from the others: what ties them to these is left out.
+    Robots that start over are apart from all others, also from one another: what ties them can be what is wrong, and a robot
+    that can be anywhere has nothing to hold against it.
     """
     there = set(range(strict.robots)) - belief.guarantee.away
     for some in (more.robots(strict.robots) & there, there):

@@ -42,12 +42,12 @@ def without_robots(robots: Collection[int], records: Records) -> Records:
 
 
 def without_ties(robots: Collection[int], bodies: int, records: Records) -> Records:
-    """Return what is left without what ties some robots to those of the others that are among so many bodies."""
+    """Return what is left without what ties some robots to any others that are among so many bodies."""
     out, left = list(robots), list[Measurement | None]()
     for record in records:
         target = targets_of(record)
-        one, other, mates = np.isin(record.robot, out), np.isin(target, out), (target != NOBODY) & (target < bodies)
-        left.append(some(record, ~mates | (one == other)))
+        mates = (target != NOBODY) & (target < bodies)
+        left.append(some(record, ~mates | ~(np.isin(record.robot, out) | np.isin(target, out))))
     return tuple(record for record in left if record is not None)
 
 

@@ -96,6 +96,18 @@ def test_nobody_in_force_relies_on_who_starts_over():
         assert after.guarantee.in_force.tolist() == [False, True]
 
 
+def test_nobody_who_starts_over_relies_on_another_one_who_does():
+    """One of them may be misread by the other: it can be anywhere, so that nothing contradicts that."""
+    team = Team(2, [[4.0, 0.0]], arena=[[-9, -9], [9, 9]])
+    belief = SetMembershipFilter(team, policy="reject").start(0.0, [Polygon.box([-9, -9], [9, 9])] * 2)
+    trials = tuple(Trial(Suspect("past", robot), 0.0, None, {}, np.zeros(2)) for robot in range(2))
+    belief = replace(belief, diagnosis=Diagnosis(suspended=trials), guarantee=belief.guarantee.suspended(0.0, "a lie", {0, 1}))
+    seen = [Range(0.0, 0, 1, 0.1, 0.1, 0.0), Range(0.0, 0, 2, 1.0, 0.1, 0.0)]
+    after = SetMembershipFilter(team, policy="reject").update(belief, seen)
+    assert after.regions[1].outer.area == pytest.approx(324.0)
+    assert after.regions[0].outer.area < 10
+
+
 def around(places, time, reach=0.3):
     """Return a position for each of some robots, in a square around a place."""
     return [Position.within(time, robot, Polygon.box(np.subtract(p, reach), np.add(p, reach))) for robot, p in places.items()]

@@ -67,10 +67,11 @@ def test_robots_are_left_out_as_those_who_measure_and_as_targets():
     assert left == {("Compass", 1, -1), ("Bearing", 1, 3), ("Range", 2, 4), ("Position", 2, -1)}
 
 
-def test_ties_are_between_the_two_groups_alone():
-    left = told(without_ties({0, 1}, 3, RECORDS))
-    assert told(RECORDS) - left == {("Bearing", 2, 0), ("Range", 0, 2)}
-    assert left == told(without_ties({2}, 3, RECORDS))
+def test_ties_are_what_is_measured_between_a_robot_and_any_other():
+    for robots in ({0}, {0, 1}, {0, 1, 2}):
+        left = told(without_ties(robots, 3, RECORDS))
+        assert told(RECORDS) - left == {("Bearing", 2, 0), ("Bearing", 0, 1), ("Range", 0, 2), ("RelativeHeading", 1, 0)}
+    assert told(RECORDS) - told(without_ties({2}, 3, RECORDS)) == {("Bearing", 2, 0), ("Range", 0, 2)}
 
 
 def test_who_has_said_something():

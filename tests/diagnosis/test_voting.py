@@ -19,6 +19,7 @@ from filter import (
     Inconsistent,
     InvalidInput,
     Polygon,
+    Range,
     SetMembershipFilter,
     Suspect,
     Team,
@@ -159,6 +160,16 @@ def test_one_more_lie_than_is_tolerated_is_a_conflict_or_a_doubt():
         belief = stepped(filter_, belief, wrong)
         assert any(isinstance(event, Doubted) for event in belief.events)
         assert not outside(belief, frames[3].truth).any()
+
+
+def test_a_vote_that_lasts_as_its_window_ends_is_another_one_from_then_on():
+    team = Team(1, [[3.0, 0.0], [0.0, 3.0], [-3.0, 0.0]], speed_limit=0.0, turn_rate_limit=0.0)
+    filter_ = voting(team)
+    belief = filter_.start(0.0, [Polygon.box([-1, -1], [1, 1])])
+    for time, lie in ((0.0, 0.0), (0.95, 0.0), (1.0, 0.3)):
+        far = Range(time, 0, [1, 2, 3], [3.0, 3.0 + lie, 3.0], 0.1, 0.0)
+        belief = filter_.update(filter_.predict(belief, time) if time else belief, [far])
+        assert belief.regions[0].outer.contains([0.0, 0.0])
 
 
 def test_robots_that_are_placed_or_gone_have_a_new_window():

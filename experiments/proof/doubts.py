@@ -183,14 +183,16 @@ class Doubts:
             self._add(record, Alternative("", chain, wrong, is_over=True))
 
     def _unite(self, record: Record) -> None:
-        """Take in that alternatives that are over are one: what is said of it holds in each."""
+        """Take in that alternatives are one: what is said of it holds in each, also without what may be wrong still in one."""
         own, lines = ([("", one) for one in record[each]] for each in ("headings", "lines"))
         some = [self._living.pop(name) for name in record[UNITES]]
-        if not some or not all(each.is_over for each in some):
+        going_on = [each for each in some if not each.is_over]
+        if not some or len(going_on) > 1:
             raise Broken("alternatives are united that are not over")
         cover = self._covered(own, lines, some)
         chain = some[0].chain.begun(cover.headings, cover.shown)
-        self._add(record, Alternative("", chain, frozenset().union(*(each.wrong for each in some)), is_over=True))
+        wrong = (each.wrong for each in going_on or some)
+        self._add(record, Alternative("", chain, frozenset().union(*wrong), is_over=not going_on))
 
     def _add(self, record: Record, each: Alternative) -> None:
         if record["name"] in self._living:

@@ -14,7 +14,7 @@ from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import EXCHANGED, FITS, is_enough
 from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again, says_who
 from filter.diagnosis.replays import tried_again
-from filter.diagnosis.starting_over import Wrong, more_is_wrong
+from filter.diagnosis.starting_over import Wrong, more_is_wrong, new_trial
 from filter.diagnosis.suspects import everybody, named_by
 from filter.diagnosis.told import Records, signature, without, without_robots
 from filter.errors import Inconsistent
@@ -52,7 +52,7 @@ def in_doubt(strict: Strict, belief: Belief, records: Records, diagnosis: Diagno
         metres=np.zeros(strict.robots),
         instants=0,
         by_proof=True,
-        aside=tuple(replace(trial, belief=None) for trial in diagnosis.aside),
+        aside=tuple(new_trial(strict, trial.suspect, belief.time) for trial in diagnosis.aside),
         tried=tried,
     )
     if not living:
@@ -156,7 +156,7 @@ def _acquitted(strict: Strict, diagnosis: Diagnosis, heard: Records) -> tuple[Di
             again, came = _both(right_again(strict, each, right, heard))
             over, tried = [*over, *again], tried + came
             left += [replace(each, suspects=tuple(wrong))] if wrong else []
-    living = (*left, *_joined(over))
+    living = _left_alone(left, over) or (*left, *_joined(over))
     return (replace(diagnosis, hypotheses=living, tried=tried), freed) if living else (diagnosis, ())
 
 
@@ -186,6 +186,18 @@ def _joined(over: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     return (Hypothesis(suspects, around, used, is_over=True, agreed=agreed, name=f"{names[0]}+", unites=names),)
 
 
+def _left_alone(left: Sequence[Hypothesis], over: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Return all hypotheses as one, without what a sighting says, if that alone can be wrong still; else none.
+
+    To go without it holds in each of them. In doubt it would stay for long, as one robot says little of one body.
+    """
+    suspects, some = [suspect for each in left for suspect in each.suspects], (*left, *over)
+    if not over or [suspect.kind for suspect in suspects] != ["sighting"]:
+        return ()
+    around, names = cover_of([each.belief for each in some]), tuple(each.name for each in some)
+    return (replace(left[0], belief=around, name=f"{names[0]}-", unites=names),)
+
+
 def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) -> Belief:
     """Return what is known when one hypothesis is left; who is guilty is put aside, if it can go on being wrong."""
     (last,) = diagnosis.hypotheses
@@ -199,7 +211,7 @@ def _settled(strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...]) ->
     verdict = Judged(last.belief.time, culprit, "guilty", "proof" if diagnosis.by_proof else "evidence")
     aside = tuple(trial for trial in diagnosis.aside if trial.suspect not in implied)
     if culprit.kind != "past":
-        aside += (Trial(culprit, last.belief.time, None, {}, np.zeros(strict.robots)),)
+        aside += (new_trial(strict, culprit, last.belief.time),)
     guarantee = last.belief.guarantee.under(assumption(strict, diagnosis.since, (), aside))
     now = Diagnosis(aside=aside, suspended=diagnosis.suspended, tried=diagnosis.tried, left=last)
     return replace(last.belief, guarantee=guarantee, events=(*events, verdict, *last.belief.events), diagnosis=now)

@@ -2,18 +2,17 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from filter.diagnosis.evidence import AGAIN, counted, is_enough, put_to_test
 from filter.diagnosis.hypotheses import Strict
 from filter.diagnosis.judging import assumption, driven, in_doubt
-from filter.diagnosis.starting_over import confirmed, merged_apart
-from filter.diagnosis.told import Records, in_one_order, without_all
+from filter.diagnosis.starting_over import confirmed, merged_apart, new_trial
+from filter.diagnosis.told import Records, in_one_order, signature, without, without_all
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
 from filter.sets.belief import Belief, Diagnosis, Event, Recent, Trial
 from filter.sets.suspect import Judged
+from filter.sets.worth import are_smaller
 
 MEMORY = 5  # so many instants are tried again after a conflict
 
@@ -51,13 +50,12 @@ def predicted(
 
 
 def _moved(strict: Strict, trial: Trial, time: float, odometry: Odometry | None) -> Trial:
-    if trial.belief is None:
-        return trial
+    driven_since = driven(trial.metres, odometry, strict.robots)
     try:
-        later = strict.predicted(trial.belief, time, odometry)
+        later = trial.belief and strict.predicted(trial.belief, time, odometry)
     except Inconsistent:
-        return replace(trial, belief=None)
-    return replace(trial, belief=later, metres=driven(trial.metres, odometry, strict.robots))
+        return new_trial(strict, trial.suspect, time)
+    return replace(trial, belief=later, metres=driven_since)
 
 
 def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Records, *, raises: bool) -> Belief:
@@ -74,16 +72,20 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     now = _heard(now, belief, heard)
     if not (now.aside or now.suspended):
         return replace(found, diagnosis=now)
-    return _looked_after(strict, found, now, records)
+    return _looked_after(strict, (belief.alone, found), now, records)
 
 
-def _looked_after(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Records) -> Belief:
-    """Return what is known with those trusted again, and robots in force again, with whom all has agreed for long enough."""
-    belief, now, events = confirmed(belief, diagnosis)
+def _looked_after(strict: Strict, beliefs: tuple[Belief, Belief], diagnosis: Diagnosis, records: Records) -> Belief:
+    """Return what is known with those trusted again, and robots in force again, with whom all has agreed for long enough.
+
+    Of the beliefs one is that before the records, the other that after those that are listened to.
+    """
+    before, found = beliefs
+    belief, now, events = confirmed(found, diagnosis)
     left, trusted = list[Trial](), list[Event]()
     for trial in now.aside:
         others = [other.suspect for other in now.aside if other is not trial]
-        tried = _tried(strict, belief, trial, without_all(others, records))
+        tried = _tried(strict, (before, belief), trial, without_all(others, records))
         if is_enough(tried.suspect, tried.used, tried.metres, AGAIN):
             trusted.append(Judged(belief.time, trial.suspect, "trusted again", "evidence"))
         else:
@@ -93,13 +95,20 @@ def _looked_after(strict: Strict, belief: Belief, diagnosis: Diagnosis, records:
     return replace(belief, guarantee=guarantee, events=(*events, *trusted, *belief.events), diagnosis=now)
 
 
-def _tried(strict: Strict, belief: Belief, trial: Trial, records: Records) -> Trial:
-    """Return a trial after measurements, its suspect's among them; where they do not agree it begins anew, from a belief."""
-    if trial.belief is not None:
-        try:
-            found = strict.updated(trial.belief, records)
-        except Inconsistent:
-            found = None
-        if found is not None and found.agrees:
-            return replace(trial, belief=found, used=counted(trial.used, records, put_to_test(records, belief)))
-    return Trial(trial.suspect, belief.time, belief.alone, {}, np.zeros(strict.robots))
+def _tried(strict: Strict, beliefs: tuple[Belief, Belief], trial: Trial, records: Records) -> Trial:
+    """Return a trial after measurements, its suspect's among them; where they do not agree it begins anew.
+
+    It has a belief of its own only as long as that says more than what is known: from when its suspect speaks on.
+    """
+    before, belief = beliefs
+    used = counted(trial.used, records, put_to_test(records, belief))
+    if trial.belief is None and signature(without(trial.suspect, records)) == signature(records):
+        return replace(trial, used=used)
+    try:
+        found = strict.updated(trial.belief or before, records)
+    except Inconsistent:
+        return new_trial(strict, trial.suspect, belief.time)
+    if not found.agrees:
+        return new_trial(strict, trial.suspect, belief.time)
+    says_more = are_smaller(found.regions.outer.areas, belief.regions.outer.areas)
+    return replace(trial, belief=found if says_more else None, used=used)

@@ -36,8 +36,8 @@ def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: D
     """
     there = set(range(strict.robots)) - belief.guarantee.away
     for some in (more.robots(strict.robots) & there, there):
-        begun, event = _begun(strict, belief.time, diagnosis, some, more)
-        waiting = {trial.suspect.who[1] for trial in begun}
+        starting, event = _starting(strict, belief.time, diagnosis, some, more)
+        waiting = {trial.suspect.who[1] for trial in starting}
         apart = without_ties(waiting, strict.robots, records)
         for heard in (apart, without_robots(some, apart), without_robots(waiting, records)):
             try:
@@ -45,18 +45,23 @@ def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: D
             except Inconsistent:
                 continue
             guarantee = found.guarantee.suspended(belief.time, event.because(strict.words), some)
-            now = Diagnosis(aside=diagnosis.aside, suspended=begun)
+            now = Diagnosis(aside=diagnosis.aside, suspended=starting)
             return replace(found, guarantee=guarantee, events=(event, *found.events), diagnosis=now)
     raise Inconsistent(f"at {belief.time} s, without any measurement", ())
 
 
-def _begun(
+def new_trial(strict: Strict, suspect: Suspect, time: float) -> Trial:
+    """Return a trial that begins at a time [s]."""
+    return Trial(suspect, time, None, {}, np.zeros(strict.robots))
+
+
+def _starting(
     strict: Strict, time: float, diagnosis: Diagnosis, robots: set[int], more: Wrong
 ) -> tuple[tuple[Trial, ...], StartsOver]:
     """Return the trials of all robots that start over, some of them now, and the event."""
     before = [trial for trial in diagnosis.suspended if trial.suspect.who[1] not in robots]
-    begun = [Trial(Suspect("past", robot, None, time), time, None, {}, np.zeros(strict.robots)) for robot in sorted(robots)]
-    return (*before, *begun), StartsOver(time, tuple(sorted(robots)), tuple(more.than))
+    starting = [new_trial(strict, Suspect("past", robot, None, time), time) for robot in sorted(robots)]
+    return (*before, *starting), StartsOver(time, tuple(sorted(robots)), tuple(more.than))
 
 
 def merged_apart(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis) -> tuple[Belief, Diagnosis, Records]:

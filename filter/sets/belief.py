@@ -246,7 +246,7 @@ class Trial:
     Attributes:
         suspect: Which.
         since: When the trial began: all has agreed since [s].
-        belief: What would be known if it were right since then; None for a robot that starts over.
+        belief: What would be known if it were right since then, where that is more than is known; else None.
         used: What was merged since then.
         metres: (n,) how far the robots have driven since then [m].
     """

@@ -9,14 +9,17 @@ from weakref import ref
 import numpy as np
 import pytest
 from helpers.drawn.broken import culprit, drawn, followed, going_on, outside, stepped
+from helpers.drawn.tolerant import known
 from helpers.teams import snapshot
 from helpers.worlds import exact_claim
 
 from experiments.broken.fault import KINDS
 from filter import Budget, Directions, Doubted, FixedLag, Inconsistent, Judged, Polygon, SetMembershipFilter, Suspect
 from filter.diagnosis.evidence import FITS
-from filter.diagnosis.judging import _acquitted
-from filter.diagnosis.quiet import MEMORY
+from filter.diagnosis.judging import _acquitted, judged
+from filter.diagnosis.quiet import MEMORY, _tried
+from filter.diagnosis.starting_over import new_trial
+from filter.diagnosis.told import signature, without
 from filter.projection.stop import never
 from filter.sets.belief import Hypothesis
 
@@ -235,6 +238,44 @@ def test_who_is_right_again_was_perhaps_wrong_before_so_what_is_known_then_stays
     found, freed = _acquitted(going_on(episode.team)._strict(never), replace(now, hypotheses=tuple(lied)), ())
     assert [(case.suspects, case.belief) for case in found.hypotheses] == [(case.suspects, case.belief) for case in lied]
     assert freed == ()
+
+
+def test_a_sighting_that_is_left_alone_is_put_aside_and_what_is_known_holds_in_each_case():
+    episode, beliefs, _ = doubtful()
+    cases = [
+        Hypothesis((Suspect("sighting", 0, 4),), beliefs[1].alone, name="1"),
+        Hypothesis((Suspect("sensor", 0),), beliefs[2].alone, is_over=True, name="2"),
+        Hypothesis((Suspect("body", None, 4),), beliefs[0].alone, is_over=True, name="3"),
+    ]
+    now = replace(beliefs[-1].diagnosis, hypotheses=tuple(cases), by_proof=False)
+    found = judged(going_on(episode.team)._strict(never), now, ())
+    assert [suspect.who for suspect in found.aside] == [("sighting", 0, 4)]
+    assert [(event.verdict, event.by) for event in found.events if isinstance(event, Judged)] == [("guilty", "evidence")]
+    for case in cases:
+        for hull, region in zip(found.regions, case.belief.regions, strict=True):
+            assert (region.outer.support(hull.outer.normals) <= hull.outer.offsets + ROUNDING).all()
+    pasts = replace(now, hypotheses=(replace(cases[0], suspects=(Suspect("past", 0),)), *cases[1:]))
+    assert not judged(going_on(episode.team)._strict(never), pasts, ()).aside
+
+
+def test_a_trial_of_somebody_silent_says_no_more_than_is_known():
+    """The slow and obvious version: a belief of its own from the beginning on is the same until its suspect speaks."""
+    episode = drawn(None, 2)
+    filter_ = going_on(episode.team)
+    strict, belief = filter_._strict(never), filter_.start(0.0, episode.positions, episode.headings)
+    bodies = episode.team.robots + len(episode.team.landmarks)
+    trials = [new_trial(strict, Suspect("body", None, target), 0.0) for target in range(bodies)]
+    for frame in episode.frames[:3]:
+        told = tuple(frame.measurements)
+        before = filter_.predict(belief, frame.time, frame.odometry).alone if frame.odometry else belief.alone
+        belief = filter_.update(before, told)
+        for trial in trials:
+            left = without(trial.suspect, told)
+            found = _tried(strict, (before, filter_.update(before, left).alone), trial, told)
+            is_silent = signature(left) == signature(told)
+            assert found.used[("body", -1, trial.suspect.target)] >= 1 or is_silent
+            assert found.belief is None or not is_silent
+            assert found.belief is None or known(found.belief) == known(belief)
 
 
 @pytest.mark.parametrize("landmarks", [4])

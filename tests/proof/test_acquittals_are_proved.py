@@ -19,7 +19,7 @@ from filter.diagnosis import evidence, judging
 
 @pytest.fixture(scope="module")
 def acquitted(tmp_path_factory):
-    """Return the folder of a run in which two suspects are acquitted by little evidence, and are one case from then on."""
+    """Return the folder of a run in which two suspects are acquitted by little evidence, and a sighting alone is left."""
     path = tmp_path_factory.mktemp("acquitted")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(evidence, "INSTANTS", 9)
@@ -30,10 +30,12 @@ def acquitted(tmp_path_factory):
 
 
 def test_who_is_right_again_is_heard_at_once_and_that_is_proved(acquitted):
-    first, second, union = [record for record in lines_of(acquitted, ALTERNATIVES) if "again" in record or "unites" in record]
+    first, second, union, end = [record for record in lines_of(acquitted, ALTERNATIVES) if not {*record} & {"instants"}]
     assert first["lines"]
     assert second["lines"]
-    assert union["unites"] == [first["name"], second["name"]]
+    assert union["unites"][1:] == [first["name"], second["name"]]
+    assert union["name"] == union["unites"][0] + "-"
+    assert [kind for kind, *_ in end["aside"]] == ["sighting"]
     assert proved(acquitted)[0][AGAIN] == 2
 
 
@@ -68,10 +70,20 @@ def one_is_right_again_twice(records):
     records.insert(records.index(right_again(records)), right_again(records) | {"name": "twice"})
 
 
+def the_last_suspect_is_listened_to(records):
+    records.pop()
+
+
+def somebody_else_is_put_aside(records):
+    records[-1]["aside"] = [["compass", 0, -1]]
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [
         (nothing_is_heard, "edges"),
+        (the_last_suspect_is_listened_to, "ends without a proof"),
+        (somebody_else_is_put_aside, "somebody is put aside who was not found to be wrong"),
         (another_case_is_meant, "too far inside"),
         (another_is_meant, "something else is right again"),
         (one_is_right_again_twice, "KeyError"),
@@ -129,9 +141,9 @@ def test_a_forged_union_is_refused(doubtful, change, why, tmp_path):
     assert why in refusal(copy)
 
 
-def test_only_what_is_over_is_united(doubtful, tmp_path):
-    copy, (first, *_, union) = Path(shutil.copytree(doubtful, tmp_path / "copy")), united(doubtful)
-    union["unites"] = [first["again"]]
+def test_of_what_is_united_all_but_one_are_over(doubtful, tmp_path):
+    copy, (first, second, union) = Path(shutil.copytree(doubtful, tmp_path / "copy")), united(doubtful)
+    union["unites"] = [first["again"], second["again"]]
     forge(copy, ALTERNATIVES, lambda records: records.append(union))
     assert "united that are not over" in refusal(copy)
 

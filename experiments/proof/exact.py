@@ -6,7 +6,7 @@ What is done often is done in whole numbers, over a common denominator or on a g
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property, lru_cache
 from math import atan2, cos, isqrt, lcm, pi, sin
 from typing import TypeVar
 
@@ -21,7 +21,11 @@ PI, PI_ROUNDING = Fraction(HALF, 1 << ANGLES), Fraction(1, 1 << ANGLES)
 CIRCLE = Fraction(4)  # more than half a turn
 TURNS = 1000  # an angle of more turns is refused
 DIGITS, KEPT = 200, 110  # binary digits after the point: of the series, and of what is rounded outward
-TERMS = 32
+CHOSEN = 60  # binary digits of vectors that are chosen
+ONE = 1 << CHOSEN
+TERMS, FEW = 32, 10  # of the series, up to 0.8 rad and up to 2^-11 rad
+MANY = 10  # binary digits of the angles that others are reduced to
+ONE_OF_MANY = 1 << ANGLES + 1 - MANY  # how far apart these are, in half steps
 FINE = 1 << ANGLES - 90  # how well the angle of a vector is known, in steps
 
 
@@ -37,14 +41,19 @@ def nearly(*values: Fraction) -> tuple[float, ...]:
     return (*[value.numerator / value.denominator for value in values],)
 
 
-def below(angle: Fraction) -> int:
-    """Return an angle in steps, or the next whole number below."""
-    return (angle.numerator << ANGLES) // angle.denominator
+def below(value: Fraction, digits: int = ANGLES) -> int:
+    """Return a number in steps of so many binary digits, as an angle, or the next whole number of them below."""
+    return (value.numerator << digits) // value.denominator
+
+
+def above(value: Fraction, digits: int = ANGLES) -> int:
+    """Return the same, or the next whole number above."""
+    return -((-value.numerator << digits) // value.denominator)
 
 
 def steps(value: Fraction) -> int:
     """Return a number that is no smaller, in steps of 2^-110."""
-    return -((-value.numerator << KEPT) // value.denominator)
+    return above(value, KEPT)
 
 
 def up(value: Fraction) -> Fraction:
@@ -58,6 +67,7 @@ def length(vector: Vector) -> Fraction:
     return Fraction(-(-steps_long((x, y)) // unit_of), 1 << KEPT)
 
 
+@lru_cache(1 << 10)
 def steps_long(vector: Whole) -> int:
     """Return a number greater than a vector's length, in steps of 2^-110 of its unit."""
     return isqrt((vector[0] ** 2 + vector[1] ** 2) << 2 * KEPT) + 1
@@ -73,9 +83,9 @@ def unit(angle: Fraction) -> tuple[Between, Between]:
 def direction(angle: int) -> tuple[Whole, Whole]:
     """Return bounds of cosine and sine of an angle in steps, or one less than a step more, in steps of 2^-110.
 
-    Reduced to an eighth of a turn to either side, so that 32 terms of the series leave 0.8^32 / 32! < 2^-120. Each term is
-    rounded down by one of 2^-200, which later terms multiply by e^0.8 at most, and pi is known to 2^-160: less than 2^-110 in
-    all.
+    Reduced to an eighth of a turn to either side, then to 2^-11 about one of some angles: what 10 terms of the series leave is
+    less than 2^-131 there. Each term is rounded down by one of 2^-200, which later ones multiply by no more than 1, and pi is
+    known to 2^-160: less than 2^-110 in all.
 
     Raises:
         ValueError: The angle is of more than 1000 turns.
@@ -83,15 +93,28 @@ def direction(angle: int) -> tuple[Whole, Whole]:
     quarters = (2 * angle + HALF // 2) // HALF
     if abs(quarters) > 4 * TURNS:
         raise ValueError(f"an angle of {quarters // 4} turns")
-    x = (2 * angle - quarters * HALF) << DIGITS - ANGLES - 1
-    term, sums = 1 << DIGITS, [0, 0]
-    for n in range(TERMS):
-        sums[n % 2] += term if n % 4 < 2 else -term
-        term = (term * x >> DIGITS) // (n + 1)
-    cosine, sine = (value >> (DIGITS - KEPT) for value in sums)
+    x = 2 * angle - quarters * HALF  # in half steps
+    near = (x + (ONE_OF_MANY >> 1)) // ONE_OF_MANY
+    (a, b), (c, d) = _of_many(near), series((x - near * ONE_OF_MANY) << DIGITS - ANGLES - 1, FEW)
+    cosine, sine = (a * c - b * d) >> 2 * DIGITS - KEPT, (b * c + a * d) >> 2 * DIGITS - KEPT
     for _ in range(quarters % 4):
         cosine, sine = -sine - 1, cosine
     return (cosine - 1, cosine + 2), (sine - 1, sine + 2)
+
+
+@cache
+def _of_many(number: int) -> Whole:
+    """Return cosine and sine of one of the angles, 2^-10 rad apart, that others are reduced to; 32 terms leave 0.8^32 / 32!."""
+    return series(number << DIGITS - MANY, TERMS)
+
+
+def series(x: int, terms: int) -> Whole:
+    """Return so many terms of the series of cosine and sine, all in steps of 2^-200."""
+    term, sums = 1 << DIGITS, [0, 0]
+    for n in range(terms):
+        sums[n % 2] += term if n % 4 < 2 else -term
+        term = (term * x >> DIGITS) // (n + 1)
+    return sums[0], sums[1]
 
 
 def angle_of(vector: Vector) -> "Arc":
@@ -127,7 +150,7 @@ class Arc:
     @classmethod
     def between(cls, low: Fraction, high: Fraction) -> "Arc":
         """Return an arc around all from one angle to another [rad]."""
-        return cls(below(low), -below(-high))
+        return cls(below(low), above(high))
 
     @property
     def low(self) -> Fraction:
@@ -156,8 +179,8 @@ class Arc:
 
     def widened(self, centre: Fraction, bound: Fraction) -> "Arc":
         """Return the arc of the sums with centre +- bound."""
-        more = -below(-bound)
-        return Arc(self.first + below(centre) - more, self.last - below(-centre) + more)
+        more = above(bound)
+        return Arc(self.first + below(centre) - more, self.last + above(centre) + more)
 
     @property
     def opposite(self) -> "Arc":
@@ -178,7 +201,7 @@ class Arc:
         """Return False only if the normal's direction is not in the arc."""
         (x, y), (first, last) = normal, self.ends
         if self.narrow:
-            return most((y, -x), first) >= 0 and most((-y, x), last) >= 0 and most(normal, first) + most(normal, last) >= 0
+            return most(normal, first) + most(normal, last) >= 0 and most((y, -x), first) >= 0 and most((-y, x), last) >= 0
         if not HALF + 1 < self.width < 2 * HALF:  # the rest of the circle is less than half of it
             return True
         return most((-y, x), last) >= 0 or most((y, -x), first) >= 0
@@ -249,14 +272,18 @@ def half_circle(normal: Vector) -> Arc:
     return Arc(around.first + HALF // 2, around.last + 3 * HALF // 2 + 3)
 
 
-def half_circle_about(angle: float) -> tuple[Vector, Arc]:
-    """Return a normal nearly opposite to a direction [rad], and an arc around the directions u with normal . u <= 0."""
-    x, y, middle = Fraction(-cos(angle)), Fraction(-sin(angle)), below(Fraction(angle))
-    a, b, unit_of = whole(x, y)
-    pairs = zip((a, b), direction(middle), strict=True)
-    off = sum(max(abs((value << KEPT) + end * unit_of) for end in between) for value, between in pairs)
-    reach = HALF // 2 + 2 + (2 * off << ANGLES - KEPT) // unit_of
-    return (x, y), Arc(middle - reach, middle + reach + 1)
+def towards(angle: float) -> Whole:
+    """Return a vector near a direction [rad], of nearly length 1, in steps of 2^-60."""
+    return int(cos(angle) * ONE), int(sin(angle) * ONE)
+
+
+def half_circle_about(angle: float) -> tuple[Whole, Arc]:
+    """Return a normal nearly opposite to a direction [rad], likewise, and an arc around directions u with normal . u <= 0."""
+    (x, y), middle = towards(angle), below(Fraction(angle))
+    pairs = zip((x, y), direction(middle), strict=True)
+    off = sum(max(abs((value << KEPT - CHOSEN) - end) for end in between) for value, between in pairs)
+    reach = HALF // 2 + 2 + (2 * off << ANGLES - KEPT)
+    return (-x, -y), Arc(middle - reach, middle + reach + 1)
 
 
 def _both(known: Arc, arc: Arc) -> Arc:
@@ -284,7 +311,8 @@ def sector(normal: Whole, arc: Arc, near: int, far: int) -> int:
 
     All in whole numbers: distances in steps of 2^-110, what is returned in steps of 2^-220 of the normal's unit.
     """
-    if arc.may_contain(normal):
+    first, last = (most(normal, end) for end in arc.ends)
+    if not (arc.narrow and first + last < 0) and arc.may_contain(normal):
         return far * steps_long(normal)
-    slope = arc.steepest(normal)
+    slope = max(first, last)
     return slope * (far if slope > 0 else near)

@@ -10,14 +10,31 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, cos, pi, sin
+from math import ceil, pi
 
 from experiments.proof.arms import Two, around
 from experiments.proof.cases.cone import HAIR, directions
 from experiments.proof.cases.polygon import Polygon, Three, three
 from experiments.proof.cases.slices import Slice, are_around, slices_in
 from experiments.proof.edges import WORLD, plane, unit_normal
-from experiments.proof.exact import ANYWHERE, HALF, Arc, Vector, are_apart, below, claimed, in_common, length, once_around, up
+from experiments.proof.exact import (
+    ANGLES,
+    ANYWHERE,
+    CHOSEN,
+    HALF,
+    KEPT,
+    Arc,
+    Whole,
+    above,
+    are_apart,
+    below,
+    claimed,
+    in_common,
+    once_around,
+    steps,
+    steps_long,
+    towards,
+)
 from experiments.proof.given.frame import Reading, Who
 from experiments.proof.measured import Instant, between
 from experiments.proof.reading import Broken, Record, exact, shown
@@ -27,6 +44,7 @@ from experiments.proof.sides import looking
 ROUNDS, LEAST_SPACING, CUTS = 10, 0.01, 2_000_000
 # As the filter widens everything, and counts tangents: which half-planes cut a piece depends on what those before have left.
 WIDENING, FEWER = Fraction(1, 10**8), 1e-5
+WIDER, STEPS, TWICE = above(WIDENING), 1 << ANGLES, 2 << ANGLES
 TURNS_ROUNDING = Fraction(1, 10**30)  # some turns on, an arc is wider by less [rad]
 Pose = tuple[Polygon, Arc]
 Said = Mapping[Who, Sequence[Reading]]
@@ -52,11 +70,11 @@ class Range:
 
 @dataclass(frozen=True)
 class Target:
-    """Where a target is, what is measured of it and the robot, and how near it can be at least [m]."""
+    """Where a target is, what is measured of it and the robot, and how near it can be at least, in steps of 2^-110 m."""
 
     places: Polygon
     readings: Sequence[Bearing | Range]
-    nearest: Fraction
+    nearest: int
 
 
 def check_cases(line: Record, then: Instant) -> Arc | None:
@@ -181,7 +199,7 @@ def _target(
     if not (mounts[0].is_at_the_centre and mounts[1].is_at_the_centre):
         looks = {each: then.headings[each] for each in who if each < robots}
         where = Polygon.around(around(where.corners, mounts, who, looks))
-    nearest = max((one.least for one in readings if isinstance(one, Range)), default=Fraction(0))
+    nearest = max((below(one.least, KEPT) for one in readings if isinstance(one, Range)), default=0)
     return Target(where, readings, nearest)
 
 
@@ -219,7 +237,7 @@ def _seen(pose: Pose, target: Target, spacing: float) -> Pose | None:
             heading = in_common(heading, [looks]) if apart else heading
             way = heading.widened(reading.value, reading.bound)
         for normal in _sides(way):
-            polygon = polygon and _behind(polygon, places, normal, Fraction(0))
+            polygon = polygon and _behind(polygon, places, normal, 0)
         if apart and are_apart(arc, way):
             return None
         arc = in_common(arc, [way])
@@ -229,34 +247,34 @@ def _seen(pose: Pose, target: Target, spacing: float) -> Pose | None:
 def _within(polygon: Polygon, places: Polygon, arc: Arc, reading: Range, spacing: float) -> Polygon | None:
     """Return the places that a range leaves, with the target in an arc of directions."""
     left: Polygon | None = polygon
-    arc = arc.widened(Fraction(0), WIDENING)
-    centre, bound = float(arc.low + arc.high) / 2, min(float(arc.high - arc.low) / 2, pi)
+    arc = Arc(arc.first - WIDER, arc.last + WIDER)
+    centre, bound = (arc.first + arc.last) / TWICE, min(arc.width / TWICE, pi)
     if polygon.is_nearer(places, reading.least):
         return None
-    tangents = max(1, ceil(2 * bound / spacing - FEWER))
+    tangents, far = max(1, ceil(2 * bound / spacing - FEWER)), steps(reading.greatest)
     for k in range(tangents):
-        normal = _towards(centre + bound * ((2 * k + 1) / tangents - 1))
-        left = left and _behind(left, places, normal, reading.greatest * length(normal))
-    back = _towards(centre + pi)
-    if arc.narrow and arc.most(back) <= 0:
-        left = left and _behind(left, places, back, reading.least * arc.most(back))
+        normal = towards(centre + bound * ((2 * k + 1) / tangents - 1))
+        left = left and _behind(left, places, normal, _times(far, steps_long(normal)))
+    back = towards(centre + pi)
+    if arc.narrow and (slope := arc.steepest(back)) <= 0:
+        left = left and _behind(left, places, back, _times(below(reading.least, KEPT), slope))
     return left
 
 
-def _behind(polygon: Polygon, places: Polygon, normal: Vector, offset: Fraction) -> Polygon | None:
-    """Return the places from which some place q of a target has normal . (q - p) <= offset."""
-    back = (-normal[0], -normal[1])
-    return polygon.cut(three(*back, up(offset + places.most(back))))
+def _times(distance: int, slope: int) -> int:
+    """Return a product in steps of 2^-110, rounded up, of a distance in the same and a slope in these of 2^-60."""
+    return -(-distance * slope >> KEPT + CHOSEN)
 
 
-def _towards(angle: float) -> Vector:
-    return plane((cos(angle), sin(angle)))
+def _behind(polygon: Polygon, places: Polygon, normal: Whole, offset: int) -> Polygon | None:
+    """Return the places from which some place q of a target has normal . (q - p) <= offset, in steps of 2^-60 and 2^-110."""
+    x, y = -normal[0], -normal[1]
+    return polygon.cut((x << KEPT - CHOSEN, y << KEPT - CHOSEN, offset + places.reach((x, y))))
 
 
-def _sides(arc: Arc) -> list[Vector]:
+def _sides(arc: Arc) -> list[Whole]:
     """Return normals that no direction of an arc is beyond, one at each of its ends; none if it is no convex set."""
     if not arc.narrow:
         return []
-    low, high = float(arc.low) - HAIR, float(arc.high) + HAIR
-    normals = plane((sin(low), -cos(low))), plane((-sin(high), cos(high)))
-    return [normal for normal in normals if arc.most(normal) <= 0]
+    normals = towards(arc.first / STEPS - HAIR - pi / 2), towards(arc.last / STEPS + HAIR + pi / 2)
+    return [normal for normal in normals if arc.steepest(normal) <= 0]

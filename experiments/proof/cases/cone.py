@@ -1,12 +1,11 @@
-"""In which directions places are, as seen from a polygon. Floats guess, fractions decide; standard library only."""
+"""In which directions places are, as seen from a polygon. Floats guess, whole numbers decide; standard library only."""
 
 from __future__ import annotations
 
-from fractions import Fraction
 from math import atan2, cos, hypot, pi, sin
 
 from experiments.proof.cases.polygon import Polygon
-from experiments.proof.exact import ANYWHERE, Arc, half_circle_about, in_common
+from experiments.proof.exact import ANGLES, ANYWHERE, Arc, half_circle_about, in_common
 
 HAIR = 1e-12  # so far outward of the outermost places floats look for a side of a target [rad]
 QUARTER = pi / 2
@@ -14,21 +13,21 @@ EPSILON = 1e-15  # differences of floats are not wrong by more, of the numbers i
 TINY = 1e-10  # places that are nearer, for their coordinates, are in no direction
 
 
-def directions(polygon: Polygon, places: Polygon, nearest: Fraction) -> Arc:
-    """Return an arc of the directions of places as seen from a polygon, if they are so near at least [m]; or `ANYWHERE`.
+def directions(polygon: Polygon, places: Polygon, nearest: int) -> Arc:
+    """Return an arc of the directions of places as seen from a polygon, or `ANYWHERE`.
 
-    Floats guess where they are, and fractions say how far they are beyond that. From so near at least, what is beyond by a
-    share s of that is turned by arcsin(s) <= 2 s.
+    Floats guess where they are, and whole numbers say how far they are beyond that. From so near at least [2^-110 m],
+    what is beyond by a share s of that is turned by arcsin(s) <= 2 s.
     """
     found = ANYWHERE
     for angle in _guessed(polygon, places):
         normal, ahead = half_circle_about(angle)
-        beyond = places.most(normal) + polygon.most((-normal[0], -normal[1]))
+        beyond = places.reach(normal) + polygon.reach((-normal[0], -normal[1]))
         if found is ANYWHERE and beyond >= 0 and nearest <= 6 * beyond:
             return ANYWHERE  # maybe in one place
         if beyond <= 0 or 6 * beyond < nearest:
-            turned = 2 * beyond / (nearest - 2 * beyond) if beyond > 0 else Fraction(0)
-            found = in_common(found, [ahead.widened(Fraction(0), turned)])
+            turned = -(-(2 * beyond << ANGLES) // (nearest - 2 * beyond)) if beyond > 0 else 0
+            found = in_common(found, [Arc(ahead.first - turned, ahead.last + turned)])
     return found
 
 

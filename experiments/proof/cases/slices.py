@@ -6,14 +6,15 @@ cases of a later step begin from them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import cos, pi, sin
 from sys import float_info
 
 from experiments.proof.cases.polygon import Polygon, Three
-from experiments.proof.exact import HALF, KEPT, Arc, Vector, claimed, steps, whole
+from experiments.proof.exact import HALF, KEPT, Arc, Vector, below, claimed, whole
 from experiments.proof.motion import Displaced, Piece, turned
 from experiments.proof.reading import Broken, Record, exact
 
@@ -44,9 +45,9 @@ class Slice:
     arc: Arc
     reach: Sequence[int]
 
-    @property
-    def _lines(self) -> Iterator[Three]:
-        return ((x << KEPT, y << KEPT, far * UNIT) for (x, y), far in zip(IN_UNITS, self.reach, strict=True))
+    @cached_property
+    def _lines(self) -> list[Three]:
+        return [(x << KEPT, y << KEPT, far * UNIT) for (x, y), far in zip(IN_UNITS, self.reach, strict=True)]
 
     def moved(self, pieces: Sequence[Piece]) -> Slice:
         """Return it after pieces of motion."""
@@ -81,7 +82,7 @@ def slices_in(line: Record, name: str) -> list[Slice]:
     told = line.get(name, [])
     if len(told) > MOST_SLICES:
         raise Broken(f"{len(told)} {name}, where {MOST_SLICES} are the most")
-    found = [Slice(claimed(*one["arc"]), [-steps(-exact(far)) for far in one["reach"]]) for one in told]
+    found = [Slice(claimed(*one["arc"]), [below(exact(far), KEPT) for far in one["reach"]]) for one in told]
     if any(len(each.reach) != COUNT for each in found):
         raise Broken(f"{name} with another number of directions than {COUNT}")
     return found

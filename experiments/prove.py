@@ -1,13 +1,13 @@
 """Proves a whole run again, in exact rational arithmetic, with nothing but Python's standard library.
 
-    python -m experiments.prove FOLDER
+    python -m experiments.prove FOLDER [--workers N]
 
 reads what `python -m experiments.moving_team --certificates`, or `experiments.follow` with it, left in FOLDER (see
 docs/soundness.md): the log, and for each of its frames the headings with what made them narrower, a closed polygon of each
 robot with the proof of every edge, and the regions as the recording, the trajectories and the summary show them. Each line is
 proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
 (`experiments.proof.chain`). What is on trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all
-this is in FOLDER/certified, and only that is proved.
+this is in FOLDER/certified, and only that is proved. With `--workers N` so many processes share the proof.
 
 Exit code: 0 if everything is proved, 1 if something is not, or a file is damaged or is not there, 2 if there are no
 certificates at all, 3 if the verdict cannot be written.
@@ -19,6 +19,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 from experiments.proof.doubts import Cover, Doubts
@@ -27,8 +28,9 @@ from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Feed, Record, located, parsed, shown
 from experiments.proof.recording.recorded import check_recording
-from experiments.proof.shown import Region, checked_region
-from experiments.proof.told import Told
+from experiments.proof.recording.told import Told
+from experiments.proof.share import Share, shared
+from experiments.proof.shown import Region, checked_region, region_of
 
 CERTIFIED = "certified"  # a folder in that of a run, for all that is to be proved
 LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "regions.jsonl.gz"
@@ -41,27 +43,29 @@ BESIDE = f"{TRUST}the folder's own figures, beside {CERTIFIED}/"
 OTHER_ENTITIES = f"{TRUST}entities of the recording that are of no region"
 
 
-def prove(folder: Path, show: Callable[[str], object]) -> Counter[str]:
-    """Prove a folder; return how much of what is proved, or is on trust.
+def prove(folder: Path, show: Callable[[str], object], share: Share | None = None) -> Counter[str]:
+    """Prove a folder, or a share of it, and take the rest as it is; return how much of what is proved, or is on trust.
 
     Raises:
         Broken: Something is not proved.
         OSError: There is no such file.
     """
-    log = Log(folder)
+    log, share = Log(folder), share or Share()
     _look_for_files(folder, [name for robot, name in enumerate(log.names) if log.is_there(robot)])
-    doubts, told, proved, progress = Doubts(log), Told(log), list[list[Region | None]](), _Progress(show, folder / LINES)
+    doubts, told, proved = Doubts(log, share), Told(log), list[list[Region | None]]()
+    progress = _Progress(show if share.number == 0 else lambda _: None, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     others = Feed(folder / ALTERNATIVES)
     for frame in log.frames:
         cover = doubts.check(headings.at(frame.time), lines.at(frame.time), others.at(frame.time, least=0))
-        proved.append(regions_of(frame, regions.at(frame.time), cover))
+        proved.append(regions_of(frame, regions.at(frame.time), cover, is_proved=share.has_next()))
         told.add(frame, proved[-1], cover.shown, cover.headings)
     for feed in (headings, lines, regions, others):
         feed.end()
-    counts = doubts.main.links + doubts.assumed + _shown(folder, told, log, proved)
-    counts[f"frames, up to t = {log.frames[-1].time} s"] = len(log.frames)
-    show("\n")
+    counts = Counter(doubts.main.links)
+    if share.has_next():
+        counts += doubts.assumed + _shown(folder, told, log, proved)
+        counts[f"frames, up to t = {log.frames[-1].time} s"] = len(log.frames)
     return counts
 
 
@@ -96,8 +100,8 @@ def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region 
     return counts
 
 
-def regions_of(frame: Frame, found: list[tuple[str, Record]], cover: Cover) -> list[Region | None]:
-    """Return the regions of a frame, each of them proved; None of robots that are away."""
+def regions_of(frame: Frame, found: list[tuple[str, Record]], cover: Cover, *, is_proved: bool = True) -> list[Region | None]:
+    """Return the regions of a frame, each of them proved, or taken as it is; None of robots that are away."""
     (place, record), *more = found
     with located(f"{place} (t = {frame.time} s)"):
         if more or len(record["regions"]) != len(cover.headings):
@@ -110,7 +114,8 @@ def regions_of(frame: Frame, found: list[tuple[str, Record]], cover: Cover) -> l
                 raise Broken(
                     "a region of a robot that is away" if is_there else "there is no region, though the robot is there"
                 )
-            regions.append(checked_region(region, cover.shown.get((WORLD, robot), {})) if is_there else None)
+            edges = cover.shown.get((WORLD, robot), {})
+            regions.append((checked_region(region, edges) if is_proved else region_of(region)) if is_there else None)
     return regions
 
 
@@ -127,8 +132,8 @@ class _Progress:
             self._show(f"\r[{'#' * done}{'.' * (BAR - done)}]")
 
 
-def judged(folder: Path) -> tuple[int, str]:
-    """Return the exit code and the verdict on a folder.
+def judged(folder: Path, workers: int = 1) -> tuple[int, str]:
+    """Return the exit code and the verdict on a folder, the same whatever number of processes shares it.
 
     Raises:
         OSError: There are no certificates, or a file cannot be read.
@@ -137,11 +142,12 @@ def judged(folder: Path) -> tuple[int, str]:
     folder = folder / CERTIFIED if own else folder
     (folder / LINES).stat()
     try:
-        counts = prove(folder, _show) + Counter({BESIDE: int(own)})
+        counts = shared(partial(prove, folder, _show), workers) + Counter({BESIDE: int(own)})
     except (Broken, FileNotFoundError) as error:
         _show("\n")
         said = str(error) if isinstance(error, Broken) else f"{os.path.relpath(error.filename, folder)} is not there"
         return 1, f"not proved: {said.encode('unicode_escape').decode()}"  # a file may say what a terminal obeys
+    _show("\n")
     by_trust = sorted(counts.items(), key=lambda one: (not one[0].startswith(TRUST), one[0]))
     return 0, "\n".join(
         [*(f"{count:8d} {name}" for name, count in by_trust), f"{counts['certificates']} certificates proved, 0 failed"]
@@ -158,9 +164,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Prove the run in the folder that the command line names; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m experiments.prove", description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, help="the folder of a run with --certificates")
-    folder = parser.parse_args(arguments).folder
+    parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes that share the proof (default: 1)")
+    told = parser.parse_args(arguments)
+    if told.workers < 1:
+        parser.error("--workers: 1 or more are needed")
     try:
-        code, verdict = judged(folder)
+        code, verdict = judged(told.folder, told.workers)
         sys.stdout.write(verdict + "\n")
         sys.stdout.flush()
     except OSError as error:

@@ -10,7 +10,7 @@ from fractions import Fraction
 from math import pi
 
 from experiments.proof.cases.cells import check_cases
-from experiments.proof.cases.slices import check_roots, slices_in
+from experiments.proof.cases.slices import TakenAlong, check_roots, slices_in
 from experiments.proof.edges import SIDES, WORLD, add, plane, unit_normal
 from experiments.proof.exact import Arc, Vector, are_apart, claimed, in_common
 from experiments.proof.given.frame import Frame
@@ -40,7 +40,7 @@ class Chain(Known):
 
     def go_on(self, headings: Sequence[Placed], lines: Sequence[Placed]) -> None:
         """Check, likewise, what else is proved of the last frame."""
-        frame = self._instants[-1].frame
+        frame, self._is_mine, self._is_torn = self._instants[-1].frame, self._share.has_next(), False
         for place, record in headings:
             with located(place):
                 for line in record["lines"]:
@@ -52,26 +52,27 @@ class Chain(Known):
                 self.prove(line)
 
     def prove(self, line: Record) -> None:
-        """Prove one line in itself, its boxes and its rows; what it says is known from then on.
+        """Prove one line in itself, its boxes and its rows, if that is for this process; what it says is known from then on.
 
         Raises:
             Broken: Something of it is not proved.
         """
-        self.links["certificates"] += 1
         if float(exact(line["t"])) != self._instants[-1].frame.time:
             raise Broken("a line of another time than its frame's")
         if line["version"] != VERSION:
             raise Broken(f"version {shown(line['version'])}, where version {VERSION} is read")
-        proved = check(line) if "pieces" not in line else None
+        proved = check(line) if self._is_mine and "pieces" not in line else None
         self._check_boxes(line)
-        for row, source in zip(line["rows"], line["sources"], strict=True):
-            self._check_row(row, source)
-        if proved is None:
+        if self._is_mine:
+            self.links["certificates"] += 1
+            for row, source in zip(line["rows"], line["sources"], strict=True):
+                self._check_row(row, source)
+        if "pieces" in line:
             self._case_by_case(line)
         elif "empty" in line:
             self.is_empty = True
         elif "side" in line:
-            self.sides.add(line, proved, self._looking() if "sensors" in line else ())
+            self.sides.add(line, proved, self._looking() if proved is not None and "sensors" in line else ())
         else:
             self._claim(line)
 
@@ -83,28 +84,38 @@ class Chain(Known):
 
     def _case_by_case(self, line: Record) -> None:
         robot = line["robot"]
-        if roots := slices_in(line, "roots"):
-            check_roots(roots, self._slices.get(robot, ()))
-        left = check_cases(line, self._instants[-1])
-        if left is None or are_apart(self._looks[robot], left):
-            self.is_empty = True
-            return
-        self._looks[robot] = in_common(self._looks[robot], [left])
+        if self._is_mine:
+            self._check_cases(line)
         for claim in line["claims"]:
             add(self.edges, (WORLD, robot), unit_normal(claim["normal"]), exact(claim["offset"]))
-        self._slices[robot] = slices_in(line, "slices")
+        self._slices[robot] = TakenAlong(line, self.frames - 1)
+
+    def _check_cases(self, line: Record) -> None:
+        robot = line["robot"]
+        if roots := slices_in(line, "roots"):
+            check_roots(roots, self._slices_of(robot))
+        left = check_cases(line, self._instants[-1])
+        if left is None or are_apart(self._looks[robot], left):
+            self._is_torn = True
+            return
+        self._looks[robot] = in_common(self._looks[robot], [left])
         self.links["robots, case by case"] += 1
 
     def _narrow(self, frame: Frame, record: Record) -> None:
         """Check the headings of one record against all that is known so far, and take them over; or that there are none."""
         if "empty" in record:
-            self.is_empty = self.is_empty or self.sides.are_torn(frame, self._looks)
-            if not self.is_empty:
+            if self._is_mine and not (self.is_empty or self._is_torn or self.sides.are_torn(frame, self._looks)):
                 raise Broken("headings that agree, where none is said to be left")
+            self.is_empty = True
             return
         claims = [claimed(*each) for each in zip(record["centre"], record["bound"], strict=True)]
         if len(claims) != self._log.robots:
             raise Broken(f"headings of {len(claims)} robots, where there are {self._log.robots}")
+        if self._is_mine:
+            self._check_headings(frame, claims)
+        self._instants[-1].headings = claims
+
+    def _check_headings(self, frame: Frame, claims: Sequence[Arc]) -> None:
         left = dict(enumerate(claims))
         for link, looks in self._ways(frame):
             for robot in [robot for robot, claim in left.items() if claim.covers(looks[robot])]:
@@ -116,7 +127,6 @@ class Chain(Known):
         for robot, claim in left.items():
             told = f"{_degrees(claim)} is claimed, {_degrees(looks[robot])} proved"
             raise Broken(f"the heading of robot {robot} is not proved: {told}")
-        self._instants[-1].headings = claims
 
     def _ways(self, frame: Frame) -> Iterator[tuple[str, list[Arc]]]:
         """Yield how robots can look, without the bearings of this pass and with them."""
@@ -139,17 +149,20 @@ class Chain(Known):
             self._seen.add(key)
             for side, k, direction in SIDES:
                 sign, normal = (1 if side == "upper" else -1), plane(direction)
-                needed = self._begun(robot, normal)
-                if needed is None:
-                    needed = self._proved[-2][WORLD, robot][normal] + self._support(-1, robot, normal)
-                limit = self._log.arena[side == "upper"][k]
-                needed = needed if limit is None else min(needed, sign * Fraction(limit))
-                needed = min(needed, self.edges.get((WORLD, robot), {}).get(normal, needed))
                 offset = sign * exact(line[side][text][k])
-                if offset < needed:
-                    raise Broken(f"the {side} side of robot {robot}'s box lies {float(needed - offset):.3g} m too far inside")
+                if self._is_mine and (off := self._needed(robot, (side, k), normal) - offset) > 0:
+                    raise Broken(f"the {side} side of robot {robot}'s box lies {float(off):.3g} m too far inside")
                 add(self.edges, (WORLD, robot), normal, offset)
-            self.links["boxes, from edges, motion and the arena"] += 1
+            self.links["boxes, from edges, motion and the arena"] += self._is_mine
+
+    def _needed(self, robot: int, side: tuple[str, int], normal: Vector) -> Fraction:
+        """Return how far in a direction, along an axis, the box of a robot has to reach."""
+        needed = self._begun(robot, normal)
+        if needed is None:
+            needed = self._proved[-2][WORLD, robot][normal] + self._support(-1, robot, normal)
+        limit = self._log.arena[side[0] == "upper"][side[1]]
+        needed = needed if limit is None else min(needed, sum(normal) * Fraction(limit))
+        return min(needed, self.edges.get((WORLD, robot), {}).get(normal, needed))
 
     def _begun(self, robot: int, normal: Vector) -> Fraction | None:
         """Return how far in a direction a robot can be that was put somewhere, at the start or now; None if it was not."""

@@ -16,6 +16,7 @@ from experiments.proof.exact import Arc, claimed
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Record, body, exact, located
+from experiments.proof.share import Share
 from experiments.proof.wrong import NOBODY, Wrong, anywhere, everybody, without, without_both, words, wrong_in
 
 AGAIN = "on trust: suspects that are taken to be right again, by evidence"
@@ -55,9 +56,10 @@ class Doubts:
         main: What is proved where nothing is in doubt.
     """
 
-    def __init__(self, log: Log) -> None:
+    def __init__(self, log: Log, share: Share | None = None) -> None:
         self.assumed: Counter[str] = Counter()
-        self.main = Chain(log)
+        self._share = share or Share()
+        self.main = Chain(log, self._share)
         self._log, self._heard, self._aside = log, list[Frame](), list[Wrong]()
         self._living = dict[str, Alternative]()
 
@@ -221,20 +223,17 @@ class Doubts:
 
     def _covered(self, headings: Sequence[Placed], lines: Sequence[Placed], some: Sequence[Alternative]) -> Cover:
         """Check that arcs are around those of some alternatives, and each edge is outside two edges of each; return these."""
-        ((place, record),), edges = headings, Edges()
+        ((place, record),), edges, is_mine = headings, Edges(), self._share.has_next()
         with located(place):
             arcs = [claimed(*each) for each in zip(record["centre"], record["bound"], strict=True)]
-            for each in some:
+            for each in some if is_mine else ():
                 if not all(arc.covers(one) for arc, one in zip(arcs, each.chain.headings, strict=True)):
                     raise Broken("a heading of the cover is narrower than that of an alternative")
         for place, line in lines:
             with located(place):
-                pair, normal, offset = (
-                    (WORLD, body(line["robot"], len(arcs))),
-                    unit_normal(line["normal"]),
-                    exact(line["offset"]),
-                )
-                for each in some:
+                pair = (WORLD, body(line["robot"], len(arcs)))
+                normal, offset = unit_normal(line["normal"]), exact(line["offset"])
+                for each in some if is_mine else ():
                     proved = each.chain.edges.get(pair, {}).get(normal)
                     if proved is None or proved > offset:
                         proved = through_corner(each.chain.shown.get(pair, {}), normal, offset)

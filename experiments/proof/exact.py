@@ -6,7 +6,7 @@ What is done often is done in whole numbers, over a common denominator or on a g
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from math import atan2, cos, isqrt, lcm, pi, sin
 from typing import TypeVar
 
@@ -23,9 +23,7 @@ TURNS = 1000  # an angle of more turns is refused
 DIGITS, KEPT = 200, 110  # binary digits after the point: of the series, and of what is rounded outward
 CHOSEN = 60  # binary digits of vectors that are chosen
 ONE = 1 << CHOSEN
-TERMS, FEW = 32, 10  # of the series, up to 0.8 rad and up to 2^-11 rad
-MANY = 10  # binary digits of the angles that others are reduced to
-ONE_OF_MANY = 1 << ANGLES + 1 - MANY  # how far apart these are, in half steps
+TERMS = 32
 FINE = 1 << ANGLES - 90  # how well the angle of a vector is known, in steps
 
 
@@ -83,9 +81,9 @@ def unit(angle: Fraction) -> tuple[Between, Between]:
 def direction(angle: int) -> tuple[Whole, Whole]:
     """Return bounds of cosine and sine of an angle in steps, or one less than a step more, in steps of 2^-110.
 
-    Reduced to an eighth of a turn to either side, then to 2^-11 about one of some angles: what 10 terms of the series leave is
-    less than 2^-131 there. Each term is rounded down by one of 2^-200, which later ones multiply by no more than 1, and pi is
-    known to 2^-160: less than 2^-110 in all.
+    Reduced to an eighth of a turn to either side, so that 32 terms of the series leave 0.8^32 / 32! < 2^-120. Each term is
+    rounded down by one of 2^-200, which later terms multiply by e^0.8 at most, and pi is known to 2^-160: less than 2^-110 in
+    all.
 
     Raises:
         ValueError: The angle is of more than 1000 turns.
@@ -93,28 +91,15 @@ def direction(angle: int) -> tuple[Whole, Whole]:
     quarters = (2 * angle + HALF // 2) // HALF
     if abs(quarters) > 4 * TURNS:
         raise ValueError(f"an angle of {quarters // 4} turns")
-    x = 2 * angle - quarters * HALF  # in half steps
-    near = (x + (ONE_OF_MANY >> 1)) // ONE_OF_MANY
-    (a, b), (c, d) = _of_many(near), series((x - near * ONE_OF_MANY) << DIGITS - ANGLES - 1, FEW)
-    cosine, sine = (a * c - b * d) >> 2 * DIGITS - KEPT, (b * c + a * d) >> 2 * DIGITS - KEPT
+    x = (2 * angle - quarters * HALF) << DIGITS - ANGLES - 1
+    term, sums = 1 << DIGITS, [0, 0]
+    for n in range(TERMS):
+        sums[n % 2] += term if n % 4 < 2 else -term
+        term = (term * x >> DIGITS) // (n + 1)
+    cosine, sine = (value >> (DIGITS - KEPT) for value in sums)
     for _ in range(quarters % 4):
         cosine, sine = -sine - 1, cosine
     return (cosine - 1, cosine + 2), (sine - 1, sine + 2)
-
-
-@cache
-def _of_many(number: int) -> Whole:
-    """Return cosine and sine of one of the angles, 2^-10 rad apart, that others are reduced to; 32 terms leave 0.8^32 / 32!."""
-    return series(number << DIGITS - MANY, TERMS)
-
-
-def series(x: int, terms: int) -> Whole:
-    """Return so many terms of the series of cosine and sine, all in steps of 2^-200."""
-    term, sums = 1 << DIGITS, [0, 0]
-    for n in range(terms):
-        sums[n % 2] += term if n % 4 < 2 else -term
-        term = (term * x >> DIGITS) // (n + 1)
-    return sums[0], sums[1]
 
 
 def angle_of(vector: Vector) -> "Arc":

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Self
 
-from experiments.proof.cases.slices import Slice
+from experiments.proof.cases.slices import Slice, TakenAlong
 from experiments.proof.edges import Edges, all_edges, through_corner
 from experiments.proof.exact import Arc, Vector
 from experiments.proof.given.frame import Frame
@@ -15,32 +15,38 @@ from experiments.proof.given.log import Log
 from experiments.proof.measured import Instant
 from experiments.proof.motion import Displaced, turned
 from experiments.proof.reading import Broken
+from experiments.proof.share import Share
 from experiments.proof.sides import Sides
+
+Told = dict[int, TakenAlong]  # of robots
 
 
 class Known:
     """What is known of frames, one after the other; others can branch off.
 
     Attributes:
-        links: How many links of each kind there were, all of them proved.
-        is_empty: Whether it was proved in the last step that nothing is possible.
+        links: How many links of each kind there were, all of them proved, in this process's share.
+        is_empty: Whether it was claimed in the last step that nothing is possible.
         shown: What the last step's certificates have proved of each robot and pair, after all that its headings rest on.
     """
 
-    def __init__(self, log: Log) -> None:
+    def __init__(self, log: Log, share: Share | None = None) -> None:
+        self._share = share or Share()
+        self._is_mine = True  # whether what is claimed now is to be proved here, or only taken over
+        self._is_torn = False  # whether cases have proved that nothing is possible
         self.links: Counter[str] = Counter()
         self.is_empty = False
         self.shown: Edges = {}
         self._log = log
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
         self._placed = [0] * log.robots  # at which frame each robot was put somewhere: nothing from before counts
-        self._ended: list[tuple[list[int], dict[int, list[Slice]]]] = []  # that, and slices, when each frame began
+        self._ended: list[tuple[list[int], Told]] = []  # that, and slices, when each frame began
         self._history: list[list[Displaced]] = []  # by frames, as are the next two
         self._proved: list[Edges] = []
         self._instants: list[Instant] = []
         self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
-        self._slices: dict[int, list[Slice]] = {}  # of robots, as proved so far
+        self._slices: Told = {}
         self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
         self._told: tuple[list[Arc], list[Arc]] = [], []  # these, and what is left of them by what `_looking` takes
 
@@ -72,7 +78,7 @@ class Known:
         frame = replace(self._instants[now].frame, readings=frame.readings, places=frame.places)
         other._proved[now] = {pair: dict(edges) for pair, edges in self._proved[now].items()}
         other._instants[now] = replace(self._instants[now], frame=frame, sides=self.sides.copy(), edges=other._proved[now])
-        other._slices, other._looks, other._seen, other._told = dict(self._slices), list(self._looks), set(), ([], [])
+        other._slices, other._looks, other._seen, other._told = dict(self._slices), list(self.headings), set(), ([], [])
         return other
 
     @property
@@ -99,16 +105,17 @@ class Known:
         self._history.append([Displaced.of(*each) for each in driven] if any(frame.pieces) else [])
         self._proved.append({})
         looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks, log.mounts)
-        self._slices = {
-            robot: [each.moved(frame.pieces[robot]) for each in slices]
-            for robot, slices in self._slices.items()
-            if robot not in frame.placed
-        }
+        self._slices = {robot: told for robot, told in self._slices.items() if robot not in frame.placed}
         for robot, start in frame.placed.items():
             looks[robot], self._placed[robot] = start.heading, number
         self._instants.append(Instant(log, frame, looks, sides, self.edges))
         self._seen, self._looks, self._told = set(), list(self.headings), ([], [])
         return frame
+
+    def _slices_of(self, robot: int) -> list[Slice]:
+        """Return the slices of a robot's poses that were told last, as they are now; none if there are none."""
+        told = self._slices.get(robot)
+        return told.at(self.frames - 1, lambda frame: self._instants[frame].frame.pieces[robot]) if told else []
 
     def _support(self, number: int, body: int, normal: Vector) -> Fraction:
         motions = self._history[number]

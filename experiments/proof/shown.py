@@ -28,6 +28,12 @@ class Region:
     estimate: Vector
 
 
+def region_of(record: Record) -> Region:
+    """Return a region as a record shows it."""
+    vertices = [(float(x), float(y)) for x, y in map(plane, record["vertices"])]
+    return Region(vertices, float(exact(record["area"])), plane(record["estimate"]))
+
+
 def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
     """Return a region that is the closed polygon of all that is proved of a robot, by offsets by normals.
 
@@ -61,7 +67,7 @@ def checked_region(record: Record, edges: dict[Vector, Fraction]) -> Region:
     for told in (area, in_order):
         if abs(told - exactly) > OF_AREA * exactly + off * (extent + off):
             raise Broken(f"an area of {float(told):.6g} m2 is shown of a polygon of {float(exactly):.6g} m2")
-    return Region([(float(x), float(y)) for x, y in vertices], float(area), middle)
+    return region_of(record)
 
 
 def outward(hull: list[Whole]) -> list[Whole]:

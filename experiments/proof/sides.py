@@ -35,8 +35,10 @@ class Sides:
         other._arcs = dict(self._arcs)
         return other
 
-    def add(self, line: Record, offset: Fraction, looks: Sequence[Arc] = ()) -> None:
+    def add(self, line: Record, offset: Fraction | None, looks: Sequence[Arc] = ()) -> None:
         """Take in a line, and the offset that it proves; its `side` is the robot or landmark that it is about, robots first.
+
+        Without an offset it is taken as it is, as another process proves it.
 
         If it has `sensors`, on its robots or on its robot and the landmark, their places are meant; robots look so.
 
@@ -51,9 +53,10 @@ class Sides:
         elif line["from"] == WORLD or target != line["from"]:
             raise Broken(f"a side of {shown(target)}, of which the line does not speak")
         first, last = mounts = self._mounts.pair(line["sensors"]) if "sensors" in line else CENTRES
-        past -= beyond(mounts, pair, looks, (-x, -y)) if mounts != CENTRES else 0
-        if claimed > past or offset >= past:  # of what is in one place with the robot, bearings say nothing
-            raise Broken(f"a side that the target may be {float(max(claimed, offset) - past):.3g} m beyond")
+        if offset is not None:
+            past -= beyond(mounts, pair, looks, (-x, -y)) if mounts != CENTRES else 0
+            if claimed > past or offset >= past:  # of what is in one place with the robot, bearings say nothing
+                raise Broken(f"a side that the target may be {float(max(claimed, offset) - past):.3g} m beyond")
         half, key = half_circle((x, y)), (*pair, first.spot, last.spot)
         self._arcs[key] = in_common(self._arcs.get(key, half), [half])
 

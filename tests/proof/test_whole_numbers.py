@@ -1,7 +1,6 @@
 """The checker's whole numbers say what fractions say, of numbers of any size, and err outward where they are rounded."""
 
 from fractions import Fraction
-from math import factorial, pi
 
 import pytest
 from hypothesis import given
@@ -9,7 +8,7 @@ from hypothesis import strategies as st
 
 from experiments.proof.cases.polygon import Polygon, three
 from experiments.proof.edges import of_two
-from experiments.proof.exact import ANGLES, CIRCLE, HALF, PI, Arc, arc_around, below, direction, length, steps, unit, whole
+from experiments.proof.exact import ANGLES, CIRCLE, HALF, PI, Arc, arc_around, direction, length, steps, unit, whole
 from experiments.proof.line import greatest
 from experiments.proof.motion import Motion
 
@@ -146,15 +145,6 @@ def test_an_arc_with_finer_digits_is_refused_and_not_rounded():
 @given(sizes)
 def test_steps_are_no_smaller(value):
     assert 0 <= Fraction(steps(Fraction(value)), 2**110) - Fraction(value) < Fraction(1, 2**110)
-
-
-@given(st.floats(-900, 900))
-def test_directions_are_those_of_the_whole_series(angle):
-    """Of which 60 terms of a third of the angle, and a formula for three times an angle, leave nothing that counts."""
-    x, bounds = Fraction(angle) - round(angle / 2 / pi) * 2 * PI, direction(below(Fraction(angle)))
-    third = [sum((-1) ** (k // 2) * (x / 3) ** k / factorial(k) for k in range(odd, 60, 2)) for odd in (0, 1)]
-    for value, (low, high) in zip((4 * third[0] ** 3 - 3 * third[0], 3 * third[1] - 4 * third[1] ** 3), bounds, strict=True):
-        assert Fraction(low, 2**110) <= value <= Fraction(high, 2**110)
 
 
 def test_directions_are_those_of_angles_in_steps():

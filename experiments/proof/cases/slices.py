@@ -6,7 +6,7 @@ cases of a later step begin from them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -20,6 +20,7 @@ from experiments.proof.reading import Broken, Record, exact
 
 COUNT = 24  # directions in which a slice says how far it reaches
 MOST_SLICES = 1024
+FRAMES_KEPT = 8  # of slices that are moved
 STEPS = 1 << KEPT  # of a metre
 
 
@@ -86,6 +87,23 @@ def slices_in(line: Record, name: str) -> list[Slice]:
     if any(len(each.reach) != COUNT for each in found):
         raise Broken(f"{name} with another number of directions than {COUNT}")
     return found
+
+
+class TakenAlong:
+    """The slices of a line, which are moved when they are asked for; as they were at the last frames asked for is kept."""
+
+    def __init__(self, line: Record, frame: int) -> None:
+        """Take a line with slices, and the number of its frame."""
+        self._first, self._line, self._found = frame, line, dict[int, list[Slice]]()
+
+    def at(self, now: int, pieces: Callable[[int], Sequence[Piece]]) -> list[Slice]:
+        """Return them at a frame, given the pieces of motion before each frame since they were told."""
+        begin = max([frame for frame in self._found if frame <= now], default=self._first)
+        found = self._found.get(begin) or slices_in(self._line, "slices")
+        for frame in range(begin + 1, now + 1):
+            found = self._found[frame] = [each.moved(pieces(frame)) for each in found]
+        self._found = dict(sorted(self._found.items())[-FRAMES_KEPT:])
+        return found
 
 
 def check_roots(roots: Sequence[Slice], proved: Sequence[Slice]) -> None:

@@ -1,1 +1,1 @@
-"""What is in a recording of Rerun, read without it: the container, the tables in it, and the regions that they show."""
+"""What shows the regions of a run: summary, trajectories, and a recording of Rerun, read without it, with all tables."""

@@ -10,6 +10,7 @@ from experiments.logs import Certificates, Header, InitialSet, LogWriter, first_
 from experiments.proof.doubts import Doubts
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Feed
+from experiments.proof.share import Share
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES, REGIONS, regions_of
 from filter import Bearing, Compass, Frame, SetMembershipFilter, follow
 
@@ -69,14 +70,15 @@ def _off(record):
     return Bearing(record.time, record.robot, record.target, record.bearing + off, record.bound)
 
 
-def proved(path):
-    """Prove a run's regions; return what is taken for granted, and how many links of each kind there were."""
-    log = Log(path)
-    doubts, feeds = Doubts(log), [Feed(path / name) for name in FEEDS]
+def proved(path, share=None):
+    """Prove a run's regions, or a share of it; return what is taken for granted, and how many links of each kind there were."""
+    log, share = Log(path), share or Share()
+    doubts, feeds = Doubts(log, share), [Feed(path / name) for name in FEEDS]
     for frame in log.frames:
         least = (int(name != ALTERNATIVES) for name in FEEDS)
         headings, lines, others, regions = (feed.at(frame.time, some) for feed, some in zip(feeds, least, strict=True))
-        regions_of(frame, regions, doubts.check(headings, lines, others))
+        cover = doubts.check(headings, lines, others)
+        regions_of(frame, regions, cover, is_proved=share.has_next())
     for feed in feeds:
         feed.end()
     return doubts.assumed, doubts.main.links

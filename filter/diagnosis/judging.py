@@ -14,14 +14,14 @@ from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import EXCHANGED, FITS, is_enough
 from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again, says_who
 from filter.diagnosis.replays import tried_again
-from filter.diagnosis.starting_over import Wrong, more_is_wrong, new_trial
+from filter.diagnosis.starting_over import Wrong, more_is_wrong, new_trial, waiting
 from filter.diagnosis.suspects import everybody, named_by
 from filter.diagnosis.told import Records, signature, without, without_robots
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.projection.fallback import Fallback
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Trial, Tried
+from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Moved, Trial, Tried
 from filter.sets.suspect import Doubted, Judged, Passed, Suspect
 
 RENEWED = 3  # for so many updates after a conflict the odometry of a robot may go on being wrong
@@ -72,12 +72,13 @@ def predicted(strict: Strict, belief: Belief, diagnosis: Diagnosis, time: float,
     if not living:
         later = _elsewhere(strict, belief, time)
         return more_is_wrong(strict, later, (), now, Wrong(diagnosis.suspects, everybody=True))
-    return judged(strict, now, innocent(diagnosis, living, time), ends=False)
+    cover = judged(strict, now, innocent(diagnosis, living, time), ends=False)
+    return replace(cover, moved=Moved(replace(belief.alone, moved=None), odometry))
 
 
 def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Records) -> Belief:
     """Return what is known in a doubt after measurements of its time. Robots that start over are not listened to meanwhile."""
-    heard = without_robots({trial.suspect.who[1] for trial in diagnosis.suspended}, records) if diagnosis.suspended else records
+    heard = without_robots(waiting(diagnosis), records)
     is_early = diagnosis.instants < RENEWED
     found = chain.from_iterable(merged(strict, each, heard, belief, is_early=is_early) for each in diagnosis.hypotheses)
     living, tried = _both(tuple(found))

@@ -5,8 +5,8 @@ from dataclasses import replace
 from filter.diagnosis.evidence import AGAIN, counted, is_enough, put_to_test
 from filter.diagnosis.hypotheses import Strict
 from filter.diagnosis.judging import assumption, driven, in_doubt
-from filter.diagnosis.starting_over import confirmed, merged_apart, new_trial
-from filter.diagnosis.told import Records, in_one_order, signature, without, without_all
+from filter.diagnosis.starting_over import confirmed, merged_apart, new_trial, waiting
+from filter.diagnosis.told import Records, in_one_order, signature, without, without_all, without_robots
 from filter.errors import Inconsistent
 from filter.records.frame import Frame
 from filter.records.odometry import Odometry
@@ -64,7 +64,7 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     try:
         found, now, heard = merged_apart(strict, belief.alone, kept, diagnosis)
     except Inconsistent as error:
-        ordered = in_one_order(belief.time, kept)
+        ordered = without_robots(waiting(diagnosis), in_one_order(belief.time, kept))
         named = strict.named(belief.alone, ordered, error)
         if raises:
             raise named from None

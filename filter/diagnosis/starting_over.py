@@ -28,26 +28,40 @@ class Wrong(NamedTuple):
         return {body for each in self.than for body in (each.robot, each.target) if body is not None and body < count}
 
 
+def waiting(diagnosis: Diagnosis) -> frozenset[int]:
+    """Return the robots that have started over and are not in force again."""
+    return frozenset(trial.suspect.who[1] for trial in diagnosis.suspended)
+
+
 def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis, more: Wrong) -> Belief:
     """Return what is known if not one thing alone can be wrong: the robots that this can be of start over, if need be all.
 
     Robots that start over are apart from all others, also from one another: what ties them can be what is wrong, and a robot
-    that can be anywhere has nothing to hold against it.
+    that can be anywhere has nothing to hold against it. To those that have started over before nobody listens just now.
     """
     there = set(range(strict.robots)) - belief.guarantee.away
-    for some in (more.robots(strict.robots) & there, there):
-        starting, event = _starting(strict, belief.time, diagnosis, some, more)
-        waiting = {trial.suspect.who[1] for trial in starting}
-        apart = without_ties(waiting, strict.robots, records)
-        for heard in (apart, without_robots(some, apart), without_robots(waiting, records)):
+    for some in (more.robots(strict.robots) & there or there, there):
+        now = Diagnosis(aside=diagnosis.aside, suspended=_starting(strict, belief.time, diagnosis, some))
+        apart = without_ties(waiting(now), strict.robots, records)
+        for unheard in (waiting(diagnosis), waiting(now)):
             try:
-                found = strict.updated(strict.elsewhere(belief.alone, some), heard)
+                found = strict.updated(_without_pasts(strict, belief, some), without_robots(unheard, apart))
             except Inconsistent:
                 continue
+            event = StartsOver(belief.time, tuple(sorted(some)), tuple(more.than), tuple(sorted(unheard)))
             guarantee = found.guarantee.suspended(belief.time, event.because(strict.words), some)
-            now = Diagnosis(aside=diagnosis.aside, suspended=starting)
             return replace(found, guarantee=guarantee, events=(event, *found.events), diagnosis=now)
     raise Inconsistent(f"at {belief.time} s, without any measurement", ())
+
+
+def _without_pasts(strict: Strict, belief: Belief, robots: set[int]) -> Belief:
+    """Return a belief in which some robots are anywhere, from what it was predicted from, if that is known.
+
+    In a doubt that is what was said last, which is proved in each case; of what is said of predictions nothing is.
+    """
+    if belief.moved is None:
+        return strict.elsewhere(belief.alone, robots)
+    return strict.wander(belief.moved.before, belief.time, belief.moved.odometry, robots)
 
 
 def new_trial(strict: Strict, suspect: Suspect, time: float) -> Trial:
@@ -55,31 +69,30 @@ def new_trial(strict: Strict, suspect: Suspect, time: float) -> Trial:
     return Trial(suspect, time, None, {}, np.zeros(strict.robots))
 
 
-def _starting(
-    strict: Strict, time: float, diagnosis: Diagnosis, robots: set[int], more: Wrong
-) -> tuple[tuple[Trial, ...], StartsOver]:
-    """Return the trials of all robots that start over, some of them now, and the event."""
+def _starting(strict: Strict, time: float, diagnosis: Diagnosis, robots: set[int]) -> tuple[Trial, ...]:
+    """Return the trials of all robots that start over, some of them now."""
     before = [trial for trial in diagnosis.suspended if trial.suspect.who[1] not in robots]
-    starting = [new_trial(strict, Suspect("past", robot, None, time), time) for robot in sorted(robots)]
-    return (*before, *starting), StartsOver(time, tuple(sorted(robots)), tuple(more.than))
+    return (*before, *(new_trial(strict, Suspect("past", robot, None, time), time) for robot in sorted(robots)))
 
 
 def merged_apart(strict: Strict, belief: Belief, records: Records, diagnosis: Diagnosis) -> tuple[Belief, Diagnosis, Records]:
     """Return what is known after measurements, apart for robots that start over; how far these have got, and what was heard.
 
-    If they are in conflict they start over once more. Raises `Inconsistent` if the others are.
+    If they are in conflict they start over once more, which is an event. Raises `Inconsistent` if the others are.
     """
-    robots = {trial.suspect.who[1] for trial in diagnosis.suspended}
+    robots = waiting(diagnosis)
     if not robots:
         return strict.updated(belief, records), diagnosis, records
     heard = without_ties(robots, strict.robots, records)
     try:
         found = strict.updated(belief, heard)
         return found, _further(diagnosis, heard, belief) if found.agrees else _again(diagnosis, belief.time), heard
-    except Inconsistent:
-        heard = without_robots(robots, heard)
-    again = strict.elsewhere(belief.alone, robots)
-    return strict.updated(again, heard), _again(diagnosis, belief.time), heard
+    except Inconsistent as error:
+        conflict, heard = error.sources, without_robots(robots, heard)
+    there = robots - belief.guarantee.away
+    found = strict.updated(strict.elsewhere(belief.alone, there), heard)
+    event = StartsOver(belief.time, tuple(sorted(there)), conflict, tuple(sorted(robots)))
+    return replace(found, events=(event, *found.events)), _again(diagnosis, belief.time), heard
 
 
 def _again(diagnosis: Diagnosis, time: float) -> Diagnosis:

@@ -54,7 +54,7 @@ class Belief:
         events: What came into doubt, who was judged, and where walks and solvers failed.
         proofs: Why every edge of the regions, the polytope's box and the pairs that were projected holds, round after round of
             the last update; before them what was proved case by case, and what directions were read from.
-        moved: What a prediction was made from; None at the start and after an update.
+        moved: What a prediction was made from; None at the start, after an update, and if somebody came or left.
         slices: The poses of robots whose headings are wide, position and heading together.
         alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not, at the
             start, and after a window's end. What is known of pairs, poses and inner polygons is in these beliefs.

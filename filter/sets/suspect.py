@@ -146,11 +146,13 @@ class StartsOver(InWords):
         time: When [s].
         robots: Which.
         conflict: What was in doubt, or else in conflict with one another.
+        unheard: Robots of which nothing counts that was measured just then, by them or of them.
     """
 
     time: float
     robots: tuple[int, ...]
     conflict: tuple[Suspect | Source, ...]
+    unheard: tuple[int, ...] = ()
 
     def because(self, words: Callable[[Any], str]) -> str:
         """Return why, in words."""

@@ -9,6 +9,7 @@ from helpers.drawn.broken import drawn, followed, going_on, outside, stepped
 from filter import (
     Compass,
     Confirmed,
+    Left,
     Odometry,
     Polygon,
     Position,
@@ -79,6 +80,9 @@ def test_a_conflict_among_those_who_start_over_lets_them_start_over_again():
     robot = belief.diagnosis.suspended[0].suspect.robot
     later = filter_.predict(belief, frame.time + 1, Odometry(frame.time, frame.time + 1, [0, 1, 2], 0.0, 0.1, 0, 4, 0.1, 0.1))
     after = filter_.update(later, [nowhere(frame.time + 1, robot)])
+    (event,) = [event for event in after.events if isinstance(event, StartsOver)]
+    assert set(event.robots) == set(event.unheard) == {trial.suspect.robot for trial in after.diagnosis.suspended}
+    assert event.conflict
     assert all(trial.used == {} for trial in after.diagnosis.suspended)
     assert after.guarantee.lapsed[robot]
 
@@ -122,6 +126,7 @@ def test_who_is_in_a_second_conflict_starts_over_and_the_others_stay_in_force(se
         lies = {0: (-4.5, 4.0)} if time == 3.0 else {}
         belief = filter_.update(filter_.predict(belief, time), around(truth | lies, time))
     assert len(belief.diagnosis.hypotheses) > 1
+    said = replace(belief, diagnosis=None)
     belief = filter_.predict(belief, 4.0)
     belief = filter_.update(belief, around(truth | {second: (4.5, -4.0)}, 4.0))
     (event,) = [event for event in belief.events if isinstance(event, StartsOver)]
@@ -131,3 +136,31 @@ def test_who_is_in_a_second_conflict_starts_over_and_the_others_stay_in_force(se
     others = [robot for robot in range(4) if robot not in event.robots]
     assert (belief.regions.outer.areas[others] < 1).all()
     assert belief.regions.contains(np.array(list(truth.values())))[others].all()
+    expected = SetMembershipFilter(team).update(SetMembershipFilter(team).predict(said, 4.0), around(truth, 4.0))
+    assert belief.regions.outer.areas[others] == pytest.approx(expected.regions.outer.areas[others])
+
+
+def waiting(*robots):
+    """Return a team of two of which some have started over, and what is known."""
+    filter_ = going_on(Team(2, [[4.0, 0.0]], arena=[[-9, -9], [9, 9]]))
+    belief = filter_.start(0.0, [Polygon.box([-9, -9], [9, 9])] * 2)
+    trials = tuple(Trial(Suspect("past", robot), 0.0, None, {}, np.zeros(2)) for robot in robots)
+    return filter_, replace(belief, diagnosis=Diagnosis(suspended=trials))
+
+
+def test_in_a_doubt_of_the_others_nobody_listens_to_who_starts_over():
+    filter_, belief = waiting(0)
+    later = filter_.predict(belief, 1.0)
+    doubted = filter_.update(later, [nowhere(1.0, 1), *around({0: (0.0, 0.0)}, 1.0), Range(1.0, 0, 2, 1.0, 0.1, 0.0)])
+    tried = {suspect.who for one in doubted.diagnosis.tried for suspect in one.suspects}
+    assert ("sensor", 1, -1) in tried
+    assert not {("sensor", 0, -1), ("body", -1, 2)} & tried
+
+
+def test_who_is_away_does_not_come_back_to_start_over_again():
+    filter_, belief = waiting(0, 1)
+    belief = filter_.changed(belief, Left(0.0, 0))
+    belief = filter_.update(filter_.predict(belief, 1.0), [nowhere(1.0, 1)])
+    (event,) = belief.events
+    assert event.robots == (1,)
+    assert belief.guarantee.away == {0}

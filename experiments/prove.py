@@ -59,7 +59,7 @@ def prove(folder: Path, show: Callable[[str], object], share: Share | None = Non
     for frame in log.frames:
         cover = doubts.check(headings.at(frame.time), lines.at(frame.time), others.at(frame.time, least=0))
         proved.append(regions_of(frame, regions.at(frame.time), cover, is_proved=share.has_next()))
-        told.add(frame, proved[-1], cover.shown, cover.headings)
+        told.add(frame, proved[-1], cover, doubts.waiting)
     for feed in (headings, lines, regions, others):
         feed.end()
     counts = Counter(doubts.main.links)

@@ -17,17 +17,13 @@ from experiments.keeping.running import Keeper, Moment, Running
 from experiments.logs import LogWriter
 from experiments.logs.records import SECOND
 from experiments.show.output import output_folder, write_summary
-from experiments.show.terminal import tell
-from filter import Frame, StartsOver, Step, Truth
+from filter import Frame, Step, Truth
 
 CERTIFIED = "certified"  # the folder, within that of a run with figures of its own
 
 
 class Provable(AbstractContextManager["Provable"]):
-    """Keeps a run whose filter is told of other headings than the true ones: of the truth its log has the positions alone.
-
-    Where robots start over it ends, and says so: what is known from then on has no certificates.
-    """
+    """Keeps a run whose filter is told of other headings than the true ones: of the truth its log has the positions alone."""
 
     def __init__(self, folder: Path, scenario: Scenario) -> None:
         """Open the files.
@@ -36,20 +32,14 @@ class Provable(AbstractContextManager["Provable"]):
             InvalidInput: The folder cannot be written to, or a sensor's clock may be off.
         """
         check_provable(scenario.team)
-        self._folder, self._is_over = output_folder(folder), False
+        self._folder = output_folder(folder)
         self._running = Running(scenario, Metrics())
         header = replace(scenario.header, version=SECOND)
         self._log = LogWriter(self._folder / "log.jsonl", header, scenario.initial)
         self._keepers: tuple[Keeper, ...] = Poses(self._folder, scenario.team), Proofs(self._folder, scenario.team)
 
     def keep(self, step: Step[Any]) -> None:
-        """Take one step in, as long as nobody has started over."""
-        events = (*step.predicted.events, *step.belief.events)
-        if self._is_over or any(isinstance(event, StartsOver) for event in events):
-            if not self._is_over:
-                tell(f"robots start over at {step.frame.time:.3f} s: from then on nothing is certified")
-            self._is_over = True
-            return
+        """Take one step in."""
         placed = replace(step, frame=_without_headings(step.frame))
         self._log.write(placed.frame)
         moment = Moment(placed, self._running.metrics.add(placed.frame, step.belief, step.seconds), None)

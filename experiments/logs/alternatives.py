@@ -1,26 +1,27 @@
 """What is proved in each case of a doubt, and why cases end: `alternatives.jsonl.gz` (see docs/soundness.md).
 
 A record of an alternative has its name, that of its parent, what may be wrong in it, one of these, and the headings and lines
-of each instant that it was taken through. Others say who is right again, which of them are united, or who is put aside and is
-not listened to.
+of each instant that it was taken through. Others say who is right again, which of them are united, who is put aside and is
+not listened to, which robots start over, and which of these are in force again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
 
 from experiments.logs.evidence import Records, of_evidence, proved
 from experiments.logs.exactly import VERSION, hexadecimal
-from filter import Array, Belief, Frame, Integers, InvalidInput, StartsOver, Step, Suspect, Team
+from filter import Array, Belief, Confirmed, Frame, Integers, InvalidInput, Measurement, StartsOver, Step, Suspect, Team
 from filter.diagnosis.quiet import MEMORY
+from filter.diagnosis.starting_over import waiting
 from filter.diagnosis.suspects import everybody
-from filter.diagnosis.told import in_one_order, without_all
+from filter.diagnosis.told import in_one_order, without_all, without_robots, without_ties
 from filter.geometry.polygon import SIDES
 from filter.linear.constraints import WORLD
-from filter.sets.belief import Diagnosis, Hypothesis, Tried
+from filter.sets.belief import Diagnosis, Tried
 
 PROVABLE = "certificates of a run"  # and what is wrong with it
 
@@ -34,24 +35,37 @@ class Alternatives:
 
     def __init__(self, team: Team) -> None:
         self._team, self._recent, self.is_in_doubt = team, list[Frame](), False
+        self._doubtful: Belief | None = None  # what was said in the last step, if that was in doubt
 
     def of(self, step: Step[Belief]) -> list[dict[str, Any]]:
         """Return the records of a step; raises `InvalidInput` where there are no certificates of it."""
         belief, before = step.belief, step.predicted
-        if over := next((event for event in (*before.events, *belief.events) if isinstance(event, StartsOver)), None):
-            raise InvalidInput(f"{PROVABLE} in which no robot starts over", self._team.words(over))
         if before.diagnosis and not all(one.parent for one in before.diagnosis.tried):
             raise InvalidInput(f"{PROVABLE} in which doubts begin with what is measured", "one that begins with a motion")
-        kept = without_all(before.aside, in_one_order(step.frame.time, step.frame.measurements))
-        self._recent = [*self._recent, Frame(step.frame.time, None, kept)][-MEMORY:]
+        self._recent = [*self._recent, Frame(step.frame.time, None, _heard(step, self._team.robots))][-MEMORY:]
         known = belief.diagnosis or Diagnosis()
         self.is_in_doubt = bool(known.tried)
         self._look_at(belief, known.tried)
-        found = [self._of_tried(one) for one in known.tried]
-        found += [_of_union(each) for each in (*known.hypotheses, *([known.left] if known.left else [])) if each.unites]
+        found = self._of_restarts(step) + [self._of_tried(one) for one in known.tried]
+        united = [each for each in (*known.hypotheses, *([known.left] if known.left else [])) if each.unites]
+        found += [{"name": each.name, "unites": list(each.unites), **_cover(each.belief)} for each in united]
         if known.left or belief.aside != before.aside:
             found.append({"aside": [list(suspect.who) for suspect in belief.aside]})
-        return found
+        confirmed = [event.robot for event in belief.events if isinstance(event, Confirmed)]
+        self._doubtful = belief if known.hypotheses else None
+        return found + ([{"confirmed": confirmed}] if confirmed else [])
+
+    def _of_restarts(self, step: Step[Belief]) -> list[dict[str, Any]]:
+        """Return which robots start over in a step, and in a doubt what was said before it, from which all others go on."""
+        robots, unheard = {robot for event in _restarts(step) for robot in event.robots}, _unheard(step)
+        if not robots:
+            return []
+        if np.isinf(self._team.arena).any():
+            raise InvalidInput(f"{PROVABLE} in a closed arena, in which robots can be that start over", "an open one")
+        if self._doubtful and step.frame.changes:
+            raise InvalidInput(f"{PROVABLE} in which nobody comes or leaves as a doubt ends in robots that start over", "some")
+        around = _cover(self._doubtful) if self._doubtful else {"headings": [], "lines": []}
+        return [{"over": sorted(robots), "unheard": sorted(unheard), **around}]
 
     def _of_tried(self, one: Tried) -> dict[str, Any]:
         wrong = [list(suspect.who) for suspect in one.suspects]
@@ -98,13 +112,33 @@ def _is_known(suspect: Suspect, tried: set[tuple[str, int, int]], gone: set[tupl
     return suspect.who in tried or (kind == "sighting" and bool(gone & {("sensor", robot, -1), ("body", -1, target)}))
 
 
-def _of_union(each: Hypothesis) -> dict[str, Any]:
-    """Return of which alternatives a hypothesis was made, and what is known in it: rows, sides of boxes, arcs."""
-    rows, (lower, upper) = each.belief.constraints, (each.belief.polytope.lower, each.belief.polytope.upper)
+def _restarts(step: Step[Belief]) -> list[StartsOver]:
+    """Return that robots start over in a step, by its motion and by what was measured."""
+    return [event for event in (*step.predicted.events, *step.belief.events) if isinstance(event, StartsOver)]
+
+
+def _unheard(step: Step[Belief]) -> Collection[int]:
+    """Return the robots of which nothing counts in a step that was measured, as they start over, or have."""
+    before, now = step.predicted.diagnosis or Diagnosis(), step.belief.diagnosis or Diagnosis()
+    if told := next((event for event in step.belief.events if isinstance(event, StartsOver)), None):
+        return told.unheard
+    return waiting(before) if before.hypotheses or now.tried else ()
+
+
+def _heard(step: Step[Belief], robots: int) -> tuple[Measurement, ...]:
+    """Return what counts in a step: without who is put aside, and without what ties robots that start over to others."""
+    kept = without_all(step.predicted.aside, in_one_order(step.frame.time, step.frame.measurements))
+    apart = waiting(step.predicted.diagnosis or Diagnosis()) | {robot for event in _restarts(step) for robot in event.robots}
+    return without_robots(_unheard(step), without_ties(apart, robots, kept))
+
+
+def _cover(belief: Belief) -> dict[str, Any]:
+    """Return what is known in all of some alternatives: rows, sides of boxes, arcs."""
+    rows, (lower, upper) = belief.constraints, (belief.polytope.lower, belief.polytope.upper)
     robots, sides = np.arange(len(lower)), np.concatenate([upper, -lower], axis=1).ravel()
-    boxes = _edges(each.belief.time, np.repeat(robots, len(SIDES)), np.tile(SIDES, (len(robots), 1)), sides)
-    edges = _edges(each.belief.time, rows.j, rows.normal, rows.offset)
-    return {"name": each.name, "unites": list(each.unites), "headings": _arcs(each.belief), "lines": [*boxes, *edges]}
+    boxes = _edges(belief.time, np.repeat(robots, len(SIDES)), np.tile(SIDES, (len(robots), 1)), sides)
+    edges = _edges(belief.time, rows.j, rows.normal, rows.offset)
+    return {"headings": _arcs(belief), "lines": [*boxes, *edges]}
 
 
 def said(belief: Belief) -> tuple[Records, Records]:

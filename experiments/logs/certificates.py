@@ -47,7 +47,7 @@ class Certificates:
     def write(self, step: Step[Belief]) -> None:
         """Append all that the headings and regions of a step rest on, and the regions as they are shown.
 
-        Raises `InvalidInput` where that has no certificates, as where robots start over.
+        Raises `InvalidInput` where that has no certificates (see docs/soundness.md).
         """
         belief, time = step.belief, {"version": VERSION, "t": step.belief.time.hex()}
         others = self._alternatives.of(step)

@@ -17,10 +17,13 @@ from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Record, body, exact, located
 from experiments.proof.share import Share
-from experiments.proof.wrong import NOBODY, Wrong, anywhere, everybody, without, without_both, words, wrong_in
+from experiments.proof.wrong import NOBODY, Wrong, anywhere, apart, everybody, without, without_both, words, wrong_in
 
 AGAIN = "on trust: suspects that are taken to be right again, by evidence"
-INSTANTS, IS_AGAIN, UNITES, ASIDE = "instants", "again", "unites", "aside"  # what the four kinds of records have
+IN_FORCE = "on trust: robots that are taken to be in force again, by evidence"
+WAITING = "on trust: regions of robots that have started over, with the guarantee suspended"
+INSTANTS, IS_AGAIN, UNITES, ASIDE = "instants", "again", "unites", "aside"  # what the kinds of records have
+OVER, CONFIRMED = "over", "confirmed"  # likewise
 
 
 @dataclass(frozen=True)
@@ -54,12 +57,13 @@ class Doubts:
     Attributes:
         assumed: In words what the rest follows from, besides the bounds, and how many suspects there are.
         main: What is proved where nothing is in doubt.
+        waiting: Robots that have started over and are not in force again: nothing that ties them to others counts.
     """
 
     def __init__(self, log: Log, share: Share | None = None) -> None:
         self.assumed: Counter[str] = Counter()
         self._share = share or Share()
-        self.main = Chain(log, self._share)
+        self.main, self.waiting = Chain(log, self._share), frozenset[int]()
         self._log, self._heard, self._aside = log, list[Frame](), list[Wrong]()
         self._living = dict[str, Alternative]()
 
@@ -69,8 +73,7 @@ class Doubts:
         Raises:
             Broken: Something does not follow, or an alternative is missing.
         """
-        frame = reduce(without, self._aside, self._log.frames[len(self._heard)])
-        self._heard.append(frame)
+        frame = self._begin(told)
         if self._living or any(INSTANTS in record for _, record in told):
             with located(f"in doubt at t = {frame.time} s"):
                 self._go_on(told)
@@ -81,10 +84,45 @@ class Doubts:
                 raise Broken(f"a contradiction at t = {frame.time} s, where nothing is said to be in doubt")
             cover = Cover(self.main.headings, self.main.shown)
         for place, record in told:
-            if ASIDE in record:
-                with located(place):
+            with located(place):
+                if ASIDE in record:
                     self._put_aside(record)
+                elif CONFIRMED in record:
+                    self._confirm({body(robot, self._log.robots) for robot in record[CONFIRMED]})
+        self.assumed += Counter({WAITING: len(self.waiting - frame.away)})
         return cover
+
+    def _begin(self, told: Sequence[Placed]) -> Frame:
+        """Return what counts of the next frame; robots that are told to start over do so."""
+        frame, over = reduce(without, self._aside, self._log.frames[len(self._heard)]), False
+        for place, record in told:
+            if OVER in record:
+                with located(place):
+                    frame, over = self._start_over(frame, record), True
+        if not over:
+            is_in_doubt = self._living or any(INSTANTS in record for _, record in told)
+            frame = apart(frame, self.waiting, self._log.robots, self.waiting if is_in_doubt else ())
+        self._heard.append(frame)
+        return frame
+
+    def _start_over(self, frame: Frame, record: Record) -> Frame:
+        """Return what counts of a frame at which robots are anywhere; a doubt ends in what was said before it."""
+        robots, unheard = ({body(robot, self._log.robots) for robot in record[each]} - frame.away for each in (OVER, "unheard"))
+        if not robots:
+            raise Broken("nobody starts over")
+        if self._living:
+            self.main, self._living = self._together(record, list(self._living.values())), {}
+        self.waiting |= robots
+        who = ", ".join(self._log.names[robot] for robot in sorted(robots))
+        self.assumed[f"on trust: what is wrong at t = {frame.time} s is of none but those who start over: {who}"] += len(robots)
+        return anywhere(self._log, apart(frame, self.waiting, self._log.robots, unheard), robots)
+
+    def _confirm(self, robots: set[int]) -> None:
+        """Take in that robots that have started over are in force again."""
+        if not robots <= self.waiting:
+            raise Broken("somebody is in force again who has not started over")
+        self.waiting -= robots
+        self.assumed[IN_FORCE] += len(robots)
 
     def _go_on(self, told: Sequence[Placed]) -> None:
         """Check all alternatives of a step, and that none is missing."""
@@ -186,15 +224,18 @@ class Doubts:
 
     def _unite(self, record: Record) -> None:
         """Take in that alternatives are one: what is said of it holds in each, also without what may be wrong still in one."""
-        own, lines = ([("", one) for one in record[each]] for each in ("headings", "lines"))
         some = [self._living.pop(name) for name in record[UNITES]]
         going_on = [each for each in some if not each.is_over]
         if not some or len(going_on) > 1:
             raise Broken("alternatives are united that are not over")
-        cover = self._covered(own, lines, some)
-        chain = some[0].chain.begun(cover.headings, cover.shown)
         wrong = (each.wrong for each in going_on or some)
-        self._add(record, Alternative("", chain, frozenset().union(*wrong), is_over=not going_on))
+        self._add(record, Alternative("", self._together(record, some), frozenset().union(*wrong), is_over=not going_on))
+
+    def _together(self, record: Record, some: Sequence[Alternative]) -> Chain:
+        """Return what goes on from some alternatives, of what is said in a record and nothing else, as that holds in each."""
+        own, lines = ([("", one) for one in record[each]] for each in ("headings", "lines"))
+        cover = self._covered(own, lines, some)
+        return some[0].chain.begun(cover.headings, cover.shown)
 
     def _add(self, record: Record, each: Alternative) -> None:
         if record["name"] in self._living:

@@ -38,6 +38,7 @@ class Known:
         self.is_empty = False
         self.shown: Edges = {}
         self._log = log
+        self._since = 0  # so many frames are known of other cases, too: none can branch off there
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
         self._placed = [0] * log.robots  # at which frame each robot was put somewhere: nothing from before counts
         self._ended: list[tuple[list[int], Told]] = []  # that, and slices, when each frame began
@@ -57,6 +58,8 @@ class Known:
 
     def branch(self, frames: int) -> Self:
         """Return one that goes on after so many frames; of what came later it knows nothing. Links are counted together."""
+        if frames < self._since:
+            raise Broken("something that goes on from before several cases were one")
         other, is_now = copy(self), frames == self.frames
         other._history, other._proved, other._instants = self._history[:frames], self._proved[:frames], self._instants[:frames]
         if not is_now:
@@ -70,6 +73,7 @@ class Known:
         nothing = Frame(self._instants[now].frame.time)
         other._instants[now] = Instant(self._log, nothing, headings, Sides(self._log.robots, self._log.landmarks), edges)
         other._proved[now], other.shown, other._slices, other._placed = edges, edges, {}, [now] * self._log.robots
+        other._since = self.frames
         return other
 
     def again(self, frame: Frame) -> Self:

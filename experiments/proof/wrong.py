@@ -63,6 +63,23 @@ def without_both(frame: Frame, exchanged: Wrong) -> Frame:
     return without(without(frame, ("body", NOBODY, exchanged[1])), ("body", NOBODY, exchanged[2]))
 
 
+def without_robots(frame: Frame, robots: Collection[int]) -> Frame:
+    """Return what is left of a frame without all that some robots measured, and that was measured of them."""
+    readings = {who: several for who, several in frame.readings.items() if who[1] not in robots and who[2] not in robots}
+    return replace(frame, readings=readings, places={who: some for who, some in frame.places.items() if who not in robots})
+
+
+def without_ties(frame: Frame, robots: Collection[int], count: int) -> Frame:
+    """Return what is left of a frame without what some robots measured of any of so many, and these of them."""
+    apart = {who for who in frame.readings if who[2] is not None and who[2] < count and not {*who[1:]}.isdisjoint(robots)}
+    return replace(frame, readings={who: several for who, several in frame.readings.items() if who not in apart})
+
+
+def apart(frame: Frame, robots: Collection[int], count: int, unheard: Collection[int]) -> Frame:
+    """Return what is left of a frame without ties of some robots to any of so many, and without all by others or of them."""
+    return without_robots(without_ties(frame, robots, count), unheard)
+
+
 def anywhere(log: Log, frame: Frame, robots: Collection[int]) -> Frame:
     """Return a frame at which some robots can be anywhere in the arena, however they got there, and look anywhere."""
     if not robots:

@@ -18,7 +18,7 @@ from experiments.real_robots.data import read_run
 from experiments.real_robots.followed import believing
 from experiments.real_robots.frames import frames
 from experiments.real_robots.motion import Motions
-from filter import AngularIntervals, Judged, SetMembershipFilter, StartsOver, Step, Suspect, Team
+from filter import AngularIntervals, Judged, SetMembershipFilter, Step, Suspect, Team
 
 
 @pytest.fixture(scope="module")
@@ -88,24 +88,6 @@ def test_measurements_that_cannot_be_are_in_doubt(tmp_path):
     assert all(step.events for step in steps if step.rejected)
     assert any(step.rejected for step in steps)
     assert all(step.suspended.any() for step in steps if step.resets)
-
-
-def test_where_robots_start_over_certificates_end_and_the_run_goes_on(folder, tmp_path, monkeypatch, capsys):
-    times, follow = [], followed.steps
-
-    def starting_over(*given):
-        for number, step in enumerate(follow(*given)):
-            times.append(step.frame.time)
-            events = (StartsOver(step.frame.time, (0,), ()),) if number == 2 else ()
-            yield replace(step, belief=replace(step.belief, events=(*step.belief.events, *events)))
-
-    monkeypatch.setattr(followed, "steps", starting_over)
-    options = ["--data", str(folder), "--robots", "1,2", "--duration", "2", "--tolerate", "0", "--certificates"]
-    assert main([*options, "--out", str(tmp_path)]) == 0
-    assert len(times) > 3
-    assert f"start over at {times[2]:.3f} s" in capsys.readouterr().err
-    assert prove.main([str(tmp_path)]) == 0
-    assert f"2 frames, up to t = {times[1]} s" in capsys.readouterr().out
 
 
 def misread(own):

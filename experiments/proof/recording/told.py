@@ -4,14 +4,15 @@ Standard library only. The regions are those of `experiments.proof.shown`, which
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from experiments.proof.edges import WORLD, Edges
+from experiments.proof.doubts import Cover
+from experiments.proof.edges import WORLD
 from experiments.proof.exact import Arc, unit
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
@@ -38,13 +39,16 @@ class Told:
     _areas: list[float] = field(default_factory=list)
     _squares: list[Fraction] = field(default_factory=list)
     _escapes: int = 0
+    _held: int = 0  # of these and of headings, those of robots for which the guarantee is in force
+    _suspended: bool = False
     _looked: int = 0
     _turned: int = 0
 
-    def add(self, frame: Frame, regions: Sequence[Region | None], edges: Edges, headings: Sequence[Arc]) -> None:
-        """Take in one step's regions, None of those that are away, what is proved of each robot, and their headings."""
+    def add(self, frame: Frame, regions: Sequence[Region | None], cover: Cover, waiting: Collection[int]) -> None:
+        """Take in one step's regions, None of those that are away, what is said, and who has started over, not in force."""
         self.poses = self.poses or [[] for _ in regions]
-        for robot, (region, heading) in enumerate(zip(regions, headings, strict=True)):
+        self._suspended = self._suspended or bool(waiting)
+        for robot, (region, heading) in enumerate(zip(regions, cover.headings, strict=True)):
             if region is None:
                 continue
             x, y = map(float, region.estimate)
@@ -54,10 +58,12 @@ class Told:
             if place is not None:
                 off = (region.estimate[0] - place[0], region.estimate[1] - place[1])
                 self._squares.append(dot(off, off))
-                self._escapes += any(dot(normal, place) > offset for normal, offset in edges[WORLD, robot].items())
+                is_outside = any(dot(normal, place) > offset for normal, offset in cover.shown[WORLD, robot].items())
+                self._escapes, self._held = self._escapes + is_outside, self._held + (is_outside and robot not in waiting)
             if looks is not None:
+                is_outside = not heading.covers(Arc.between(looks, looks))
+                self._turned, self._held = self._turned + is_outside, self._held + (is_outside and robot not in waiting)
                 self._looked += 1
-                self._turned += not heading.covers(Arc.between(looks, looks))
 
     def numbers(self) -> dict[str, Any]:
         """Return what a summary has to say."""
@@ -91,14 +97,16 @@ class Told:
                     raise Broken(f"there is no {name}")
                 if not _agree(told[name], value):
                     raise Broken(f"{name} is {shown(told[name])}, where {shown(value)} was expected")
-            outside, in_force = self._escapes + self._turned, told["guarantee_in_force"] is True
-            if not (0 <= told["escapes_in_force"] <= outside and (told["escapes_in_force"] == outside or not in_force)):
-                raise Broken(f"escapes_in_force is {shown(told['escapes_in_force'])}, where {outside} were outside")
-            rejected = body(told["rejected"], 2**53)
+            in_force, rejected = told["guarantee_in_force"] is True, body(told["rejected"], 2**53)
             if in_force and rejected:
                 raise Broken("the guarantee is said to be in force, though something was rejected")
+            if in_force and self._suspended:
+                raise Broken("the guarantee is said to be in force, though robots have started over")
+            escapes, known = told["escapes_in_force"], in_force or self._suspended
+            if not (0 <= escapes <= self._held and (escapes == self._held or not known)):
+                raise Broken(f"escapes_in_force is {shown(escapes)}, where {self._held} were outside")
             proved = len(needed) + 1
-            aside = {OF_NO_REGION: len(told) - proved, SUSPENDED: 0 if in_force else max(1, rejected)}
+            aside = {OF_NO_REGION: len(told) - proved, SUSPENDED: rejected if known else max(1, rejected)}
             return Counter({"numbers of the summary": proved, **{name: count for name, count in aside.items() if count}})
 
     def check_trajectory(self, robot: int, path: Path) -> int:

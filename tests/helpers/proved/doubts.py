@@ -1,5 +1,6 @@
 """Folders of runs in which something is in doubt, with certificates, and the verdict on them."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -91,3 +92,18 @@ def refusal(path):
     except Broken as error:
         return str(error)
     return ""
+
+
+def read_back(path, episode, frames):
+    """Return frames as the checker reads them from a log."""
+    initial = [InitialSet(one.vertices) for one in episode.positions]
+    with LogWriter(path / "log.jsonl", Header(episode.team, 0.0, 1.0), initial) as log:
+        for frame in frames:
+            log.write(frame)
+    return Log(path).frames
+
+
+def said(frame):
+    """Return what was measured in a frame of the checker, in any order."""
+    readings = {who: sorted(map(str, several)) for who, several in frame.readings.items()}
+    return json.dumps([sorted(map(str, readings.items())), sorted(map(str, frame.places.items()))])

@@ -1,6 +1,5 @@
 """Where something is in doubt: what is said holds in each case; nobody who can be wrong is missing, or gone without proof."""
 
-import json
 import shutil
 from dataclasses import replace
 from fractions import Fraction
@@ -9,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.drawn.broken import drawn, outside
-from helpers.proved.doubts import FIRST, FRAMES, followed, lied, proved, refusal
+from helpers.proved.doubts import FIRST, FRAMES, followed, lied, proved, read_back, refusal, said
 from helpers.proved.runs import forge, lines_of, moved
 
 from experiments.follow import main as follow_command
@@ -21,7 +20,7 @@ from experiments.proof.reading import Broken
 from experiments.proof.wrong import everybody, without, without_both
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
 from experiments.prove import main as prove_command
-from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, StartsOver, Step, Suspect, Team
+from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, Step, Suspect, Team
 from filter.diagnosis.replays import _without_them
 from filter.diagnosis.suspects import everybody as suspected
 from filter.diagnosis.told import without as left_by
@@ -304,35 +303,17 @@ def test_without_an_arena_there_are_no_certificates_of_robots_that_are_anywhere(
         lied(tmp_path, Bearing, arena=(-np.inf, np.inf))
 
 
-@pytest.mark.parametrize("why", ["begin with what is measured", "no robot starts over"])
-def test_of_what_comes_with_a_motion_there_are_no_certificates(why, tmp_path):
+def test_of_doubts_that_begin_with_a_motion_there_are_no_certificates(tmp_path):
     belief = lied(tmp_path, Bearing)[FIRST]
     (begun, *_) = belief.diagnosis.tried
-    events = (StartsOver(belief.time, (0,), ()),) if why == "no robot starts over" else ()
-    diagnosis = replace(belief.diagnosis, tried=() if events else (begun,))
-    step = Step(Frame(belief.time), replace(belief, events=events, diagnosis=diagnosis), belief, 0.0)
-    with pytest.raises(InvalidInput, match=why):
+    step = Step(Frame(belief.time), replace(belief, diagnosis=replace(belief.diagnosis, tried=(begun,))), belief, 0.0)
+    with pytest.raises(InvalidInput, match="begin with what is measured"):
         Alternatives(Team(2, np.zeros((3, 2)))).of(step)
 
 
 def test_of_suspects_that_are_tried_together_there_are_no_certificates(tmp_path):
     with pytest.raises(InvalidInput, match="in which each suspect was tried alone"):
         followed(tmp_path, "start", 4, 1, 0, each_alone=False)
-
-
-def read_back(path, episode, frames):
-    """Return frames as the checker reads them from a log."""
-    initial = [InitialSet(one.vertices) for one in episode.positions]
-    with LogWriter(path / "log.jsonl", Header(episode.team, 0.0, 1.0), initial) as log:
-        for frame in frames:
-            log.write(frame)
-    return Log(path).frames
-
-
-def said(frame):
-    """Return what was measured in a frame of the checker, in any order."""
-    readings = {who: sorted(map(str, several)) for who, several in frame.readings.items()}
-    return json.dumps([sorted(map(str, readings.items())), sorted(map(str, frame.places.items()))])
 
 
 @pytest.mark.parametrize("landmarks", [1, 4])

@@ -14,14 +14,14 @@ from filter.diagnosis.cover import cover_of
 from filter.diagnosis.evidence import EXCHANGED, FITS, is_enough
 from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again, says_who
 from filter.diagnosis.replays import tried_again
-from filter.diagnosis.starting_over import Wrong, more_is_wrong, new_trial, waiting
+from filter.diagnosis.starting_over import Wrong, assumption, more_is_wrong, new_trial, waiting
 from filter.diagnosis.suspects import everybody, named_by
 from filter.diagnosis.told import Records, signature, without, without_robots
 from filter.errors import Inconsistent
 from filter.linear.sources import Source
 from filter.projection.fallback import Fallback
 from filter.records.odometry import Odometry
-from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Moved, Trial, Tried
+from filter.sets.belief import Belief, Diagnosis, Event, Hypothesis, Moved, Tried
 from filter.sets.suspect import Doubted, Judged, Passed, Suspect
 
 RENEWED = 3  # for so many updates after a conflict the odometry of a robot may go on being wrong
@@ -228,11 +228,3 @@ def _by_all(culprit: Suspect, aside: Sequence[Suspect]) -> tuple[Suspect, list[S
         if by_robot:
             return Suspect("sensor", culprit.robot, None, min(each.since for each in (culprit, *by_robot))), by_robot
     return culprit, []
-
-
-def assumption(strict: Strict, since: float, suspects: Sequence[Suspect], aside: Sequence[Trial]) -> str:
-    """Return what is assumed while one of some suspects is wrong, and others are not listened to."""
-    known, one = "; ".join(strict.words(trial.suspect) for trial in aside), "; ".join(map(strict.words, suspects))
-    if not suspects:
-        return f"if nothing is wrong but: {known}" if known else ""
-    return f"if only one of these is wrong since {since:.3f} s: {one}" + (f"; besides: {known}" if known else "")

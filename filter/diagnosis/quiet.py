@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from filter.diagnosis.evidence import AGAIN, counted, is_enough, put_to_test
 from filter.diagnosis.hypotheses import Strict
-from filter.diagnosis.judging import assumption, driven, in_doubt
-from filter.diagnosis.starting_over import confirmed, merged_apart, new_trial, waiting
+from filter.diagnosis.judging import driven, in_doubt
+from filter.diagnosis.starting_over import assumption, confirmed, merged_apart, new_trial, waiting
 from filter.diagnosis.told import Records, in_one_order, signature, without, without_all, without_robots
 from filter.errors import Inconsistent
 from filter.records.frame import Frame

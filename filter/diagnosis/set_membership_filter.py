@@ -10,7 +10,7 @@ from filter.arrays import Integers, checked, instance, shown
 from filter.diagnosis import judging, quiet
 from filter.diagnosis.cover import cover_of, hulls_of
 from filter.diagnosis.hypotheses import Strict
-from filter.diagnosis.judging import assumption
+from filter.diagnosis.starting_over import assumption
 from filter.diagnosis.told import without_all
 from filter.diagnosis.tolerant import TolerantFilter
 from filter.errors import InvalidInput

@@ -50,6 +50,7 @@ def more_is_wrong(strict: Strict, belief: Belief, records: Records, diagnosis: D
                 continue
             event = StartsOver(belief.time, tuple(sorted(some)), tuple(more.than), tuple(sorted(unheard)))
             guarantee = found.guarantee.suspended(belief.time, event.because(strict.words), some)
+            guarantee = guarantee.under(assumption(strict, 0.0, (), now.aside))
             return replace(found, guarantee=guarantee, events=(event, *found.events), diagnosis=now)
     raise Inconsistent(f"at {belief.time} s, without any measurement", ())
 
@@ -116,3 +117,11 @@ def confirmed(belief: Belief, diagnosis: Diagnosis) -> tuple[Belief, Diagnosis, 
     waiting = tuple(trial for trial in diagnosis.suspended if trial not in good)
     events = tuple(Confirmed(belief.time, trial.suspect.who[1]) for trial in good)
     return replace(belief, guarantee=guarantee), replace(diagnosis, suspended=waiting), events
+
+
+def assumption(strict: Strict, since: float, suspects: Sequence[Suspect], aside: Sequence[Trial]) -> str:
+    """Return what is assumed while one of some suspects is wrong, and others are not listened to."""
+    known, one = "; ".join(strict.words(trial.suspect) for trial in aside), "; ".join(map(strict.words, suspects))
+    if not suspects:
+        return f"if nothing is wrong but: {known}" if known else ""
+    return f"if only one of these is wrong since {since:.3f} s: {one}" + (f"; besides: {known}" if known else "")

@@ -133,6 +133,8 @@ def test_who_is_in_a_second_conflict_starts_over_and_the_others_stay_in_force(se
     assert event.robots == (0, second)
     assert {source.robot for source in event.conflict if not isinstance(source, Suspect)} == {second}
     assert belief.guarantee.lapsed.tolist() == [robot in event.robots for robot in range(4)]
+    assert "only one of these" in said.guarantee.assuming
+    assert not belief.guarantee.assuming  # it is proved to be more
     others = [robot for robot in range(4) if robot not in event.robots]
     assert (belief.regions.outer.areas[others] < 1).all()
     assert belief.regions.contains(np.array(list(truth.values())))[others].all()

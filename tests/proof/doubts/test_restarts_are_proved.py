@@ -26,6 +26,7 @@ from experiments.proof.exact import ANYWHERE
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Feed
 from experiments.proof.recording.told import Told
+from experiments.proof.share import Share
 from experiments.proof.shown import Region
 from experiments.proof.wrong import without_robots, without_ties
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES, SUMMARY
@@ -80,6 +81,7 @@ def test_where_nothing_was_in_doubt_and_again_it_is_proved(at_once):
     assumed, _ = proved(at_once)
     for time in (0.1, 0.2):
         assert assumed[on_trust(time, "r0", "r1", "r2")] == 3
+    assert [proved(at_once, Share(number, 2))[0] for number in range(2)] == [assumed] * 2
 
 
 def nothing_is_told_of_it(records):

@@ -19,6 +19,7 @@ from experiments.proof.share import Share
 from experiments.proof.sides import Sides
 
 Told = dict[int, TakenAlong]  # of robots
+BACK = 16  # an alternative begins so many frames ago at most; of earlier ones less is kept
 
 
 class Known:
@@ -32,8 +33,7 @@ class Known:
 
     def __init__(self, log: Log, share: Share | None = None) -> None:
         self._share = share or Share()
-        self._is_mine = True  # whether what is claimed now is to be proved here, or only taken over
-        self._is_torn = False  # whether cases have proved that nothing is possible
+        self._is_mine, self._is_torn = True, False  # whether to prove what is claimed now; whether no case is left in this step
         self.links: Counter[str] = Counter()
         self.is_empty = False
         self.shown: Edges = {}
@@ -41,7 +41,7 @@ class Known:
         self._since = 0  # so many frames are known of other cases, too: none can branch off there
         self._numbers = {frame.time: number for number, frame in enumerate(log.frames)}
         self._placed = [0] * log.robots  # at which frame each robot was put somewhere: nothing from before counts
-        self._ended: list[tuple[list[int], Told]] = []  # that, and slices, when each frame began
+        self._ended: dict[int, tuple[list[int], Told]] = {}  # that, and slices, when each of the last frames began
         self._history: list[list[Displaced]] = []  # by frames, as are the next two
         self._proved: list[Edges] = []
         self._instants: list[Instant] = []
@@ -64,7 +64,7 @@ class Known:
         other._history, other._proved, other._instants = self._history[:frames], self._proved[:frames], self._instants[:frames]
         if not is_now:
             other._placed, other._slices = self._ended[frames]
-        other._ended, other._grown = self._ended[:frames], dict(self._grown) if is_now else {}
+        other._ended, other._grown = dict(self._ended), dict(self._grown) if is_now else {}
         return other
 
     def begun(self, headings: Sequence[Arc], edges: Edges) -> Self:
@@ -102,7 +102,9 @@ class Known:
 
     def _begin(self, frame: Frame) -> Frame:
         log, number = self._log, self.frames
-        self._ended.append(([*self._placed], self._slices))
+        self._ended = {then: each for then, each in self._ended.items() if number - BACK < then < number}
+        self._ended[number] = [*self._placed], self._slices
+        self._grown = {row: grown for row, grown in self._grown.items() if number - BACK < grown[0]}
         self._placed, self.is_empty = [*self._placed], False
         before = self.headings if number else [start.heading for start in log.starts]
         driven = list(zip(frame.pieces, before, strict=True))

@@ -36,10 +36,9 @@ class Sides:
         return other
 
     def add(self, line: Record, offset: Fraction | None, looks: Sequence[Arc] = ()) -> None:
-        """Take in a line, and the offset that it proves; its `side` is the robot or landmark that it is about, robots first.
+        """Take in a line, and the offset that it proves, None if another process proves it.
 
-        Without an offset it is taken as it is, as another process proves it.
-
+        Its `side` is the robot or landmark that it is about, robots first.
         If it has `sensors`, on its robots or on its robot and the landmark, their places are meant; robots look so.
 
         Raises:

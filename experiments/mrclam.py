@@ -71,7 +71,7 @@ class Options:
     """1: right although, for each robot, what it measures of one body, or one mate of it, is wrong for a while. 0: all is
     believed that is not proved wrong: smaller regions. What is proved to be more is in doubt until it is found out."""
     certificates: bool = False
-    """With --tolerate 0, keep in certified/ what python -m experiments.prove proves again."""
+    """Keep in certified/ what python -m experiments.prove proves again."""
     seed: int = 0
     """Where in its initial set each robot starts."""
     out: Path = Path("runs/mrclam")

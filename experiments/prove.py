@@ -52,7 +52,7 @@ def prove(folder: Path, show: Callable[[str], object], share: Share | None = Non
     """
     log, share = Log(folder), share or Share()
     _look_for_files(folder, [name for robot, name in enumerate(log.names) if log.is_there(robot)])
-    doubts, told, proved = Doubts(log, share), Told(log), list[list[Region | None]]()
+    doubts, told, proved = Doubts(log, share, is_voted=_tolerates(folder)), Told(log), list[list[Region | None]]()
     progress = _Progress(show if share.number == 0 else lambda _: None, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     others = Feed(folder / ALTERNATIVES)
@@ -65,6 +65,7 @@ def prove(folder: Path, show: Callable[[str], object], share: Share | None = Non
     counts = Counter(doubts.main.links)
     if share.has_next():
         counts += doubts.assumed + _shown(folder, told, log, proved)
+        counts[f"{TRUST}{doubts.main.windows}"] = doubts.main.windows.count
         counts[f"frames, up to t = {log.frames[-1].time} s"] = len(log.frames)
     return counts
 
@@ -86,6 +87,12 @@ def _recordings(folder: Path) -> list[Path]:
         if name not in (*RECORDINGS, None):
             raise Broken(f"a recording among {', '.join(RECORDINGS)} was expected, not {shown(name)}")
     return [] if name is None else [folder / name]
+
+
+def _tolerates(folder: Path) -> bool:
+    """Return whether a summary says that some of what was measured may be wrong: then it has to be proved with votes."""
+    with located(SUMMARY):
+        return bool(parsed((folder / SUMMARY).read_bytes()).get("tolerated"))
 
 
 def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region | None]]) -> Counter[str]:
@@ -148,7 +155,7 @@ def judged(folder: Path, workers: int = 1) -> tuple[int, str]:
         said = str(error) if isinstance(error, Broken) else f"{os.path.relpath(error.filename, folder)} is not there"
         return 1, f"not proved: {said.encode('unicode_escape').decode()}"  # a file may say what a terminal obeys
     _show("\n")
-    by_trust = sorted(counts.items(), key=lambda one: (not one[0].startswith(TRUST), one[0]))
+    by_trust = sorted((+counts).items(), key=lambda one: (not one[0].startswith(TRUST), one[0]))
     return 0, "\n".join(
         [*(f"{count:8d} {name}" for name, count in by_trust), f"{counts['certificates']} certificates proved, 0 failed"]
     )

@@ -13,9 +13,9 @@ from filter import InvalidInput, Team, Tolerance
 
 
 def check_provable(team: Team, tolerance: Tolerance | None = None) -> None:
-    """Raise `InvalidInput` for a sensor whose clock may be off, and a tolerance, of which `experiments.prove` does not know."""
-    if tolerance is not None:
-        raise InvalidInput("--tolerate 0 for --certificates, as yet", f"--tolerate {tolerance.q}")
+    """Raise `InvalidInput` for a sensor whose clock may be off, and a tolerance of which `experiments.prove` does not know."""
+    if tolerance is not None and not tolerance.is_by_votes:
+        raise InvalidInput("--tolerate 0, or --suspects identities, for --certificates, as yet", " ".join(tolerance.suspects))
     off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
     if off is not None:
         raise InvalidInput("sensors without a time_bound for --certificates, as yet", off.name)

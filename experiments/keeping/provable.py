@@ -17,7 +17,7 @@ from experiments.keeping.running import Keeper, Moment, Running
 from experiments.logs import LogWriter
 from experiments.logs.records import SECOND
 from experiments.show.output import output_folder, write_summary
-from filter import Frame, Step, Truth
+from filter import Frame, Step, Tolerance, Truth
 
 CERTIFIED = "certified"  # the folder, within that of a run with figures of its own
 
@@ -25,14 +25,14 @@ CERTIFIED = "certified"  # the folder, within that of a run with figures of its 
 class Provable(AbstractContextManager["Provable"]):
     """Keeps a run whose filter is told of other headings than the true ones: of the truth its log has the positions alone."""
 
-    def __init__(self, folder: Path, scenario: Scenario) -> None:
-        """Open the files.
+    def __init__(self, folder: Path, scenario: Scenario, tolerance: Tolerance | None = None) -> None:
+        """Open the files, for a filter with a tolerance or without.
 
         Raises:
-            InvalidInput: The folder cannot be written to, or a sensor's clock may be off.
+            InvalidInput: The folder cannot be written to, a sensor's clock may be off, or of the tolerance there are no proofs.
         """
-        check_provable(scenario.team)
-        self._folder = output_folder(folder)
+        check_provable(scenario.team, tolerance)
+        self._tolerated, self._folder = str(tolerance or ""), output_folder(folder)
         self._running = Running(scenario, Metrics())
         header = replace(scenario.header, version=SECOND)
         self._log = LogWriter(self._folder / "log.jsonl", header, scenario.initial)
@@ -52,7 +52,7 @@ class Provable(AbstractContextManager["Provable"]):
             for keeper in self._keepers:
                 held.enter_context(keeper)
         if kind is None:
-            write_summary(self._folder, self._running.summary({"recording": None}, None))
+            write_summary(self._folder, self._running.summary({"recording": None, "tolerated": self._tolerated}, None))
 
 
 def _without_headings(frame: Frame) -> Frame:

@@ -84,6 +84,8 @@ class Alternatives:
 
     def _look_at(self, belief: Belief, tried: Sequence[Tried]) -> None:
         """Raise `InvalidInput` if something of a doubt cannot be proved, as yet."""
+        if tried and belief.votes is not None:
+            raise InvalidInput(f"{PROVABLE} in which no doubt is, where there are votes", "one")
         born = [one for one in tried if not one.parent]
         if bad := next((one for one in tried if one.end and not one.end[1]), None):
             words = "; ".join(map(self._team.words, bad.suspects))

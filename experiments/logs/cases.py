@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from experiments.logs.exactly import hexadecimal, row_record, source_record
-from filter import Array, ByCases, Source
+from filter import ByCases, Source
 from filter.poses.branch import FEW_EDGES
 from filter.poses.cells import START_EDGES, few_rows
+from filter.poses.slices import Slices
 from filter.sensing.readings import Readings
 
 
@@ -36,13 +37,15 @@ def case_record(case: ByCases, readings: Readings, before: Mapping[int, ByCases]
         "pieces": list(_pieces(case)),
         "claims": [{"normal": hexadecimal(row[:2]), "offset": row[2].hex()} for row in case.rows],
         "heading": hexadecimal(case.heading),
-        "roots": [_slice_record(*one) for one in zip(case.roots.centre, case.roots.bound, case.roots.reach, strict=True)],
-        "slices": [_slice_record(one[0], one[1], one[2:]) for one in case.slices],
+        "roots": slice_records(case.roots),
+        "slices": slice_records(Slices.of_table(np.full(len(case.slices), case.robot), case.slices)),
     }
 
 
-def _slice_record(centre: float, bound: float, reach: Array) -> dict[str, Any]:
-    return {"arc": hexadecimal(np.array([centre, bound])), "reach": hexadecimal(reach)}
+def slice_records(slices: Slices) -> list[dict[str, Any]]:
+    """Return slices, each with its arc and how far it reaches."""
+    arcs = np.stack([slices.centre, slices.bound], axis=1)
+    return [{"arc": hexadecimal(arc), "reach": hexadecimal(reach)} for arc, reach in zip(arcs, slices.reach, strict=True)]
 
 
 def _mates(readings: Readings, robot: int, robots: int) -> list[int]:

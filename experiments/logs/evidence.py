@@ -11,10 +11,12 @@ import numpy as np
 from experiments.logs.cases import case_record
 from experiments.logs.exactly import VERSION, hexadecimal, row_record, source_record
 from experiments.logs.sides import Sighted, Sights, boxes_at_a_glance, sides_of_bearings, sides_of_ranges
+from experiments.logs.votes import vote_records
 from filter import AngularIntervals, Array, Belief, ByCases, Cases, Directions, Evidence, Integers, Proof
 from filter.linear.sources import Sources
+from filter.poses.votes import Polled
 
-Part = Proof | Sighted | ByCases | AngularIntervals | Directions
+Part = Proof | Sighted | ByCases | Polled | AngularIntervals | Directions
 Records = Sequence[dict[str, Any]]
 
 
@@ -33,6 +35,8 @@ def of_evidence(time: float, proofs: Sequence[Evidence], landmarks: Array, used:
         if isinstance(part, AngularIntervals | Directions):
             headings.append({**stamp, **_looks(part), "lines": lines})
             lines, cases = [], {}
+        elif isinstance(part, Polled):
+            lines += [{**stamp, **record} for record in vote_records(part)]
         elif isinstance(part, ByCases) and readings is not None:
             lines.append({**stamp, **case_record(part, readings, cases)})
             cases[part.robot] = part
@@ -70,10 +74,12 @@ def _read(read: Directions, before: Evidence | None, landmarks: Array, used: Sig
     return [*boxes, sides, read.headings, sides_of_ranges(read, landmarks, used)]
 
 
-def _found(each: Proof | Cases | None, before: Evidence | None) -> list[Part]:
-    """Return a proof, or all cases, after the headings that they began with if others were found before in cells."""
+def _found(each: Proof | Cases | Polled | None, before: Evidence | None) -> list[Part]:
+    """Return a proof, or votes, or all cases, after the headings that they began with if others were found before in cells."""
     if isinstance(each, Cases):
         return [*([each.told.headings] if isinstance(before, Cases) else []), *each]
+    if isinstance(each, Polled):
+        return [each, each.headings]
     return [each] if each else []
 
 

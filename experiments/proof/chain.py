@@ -6,11 +6,14 @@ measurement in the log. Boxes likewise, and headings: from those before, turned 
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from math import pi
 
 from experiments.proof.cases.cells import check_cases
-from experiments.proof.cases.slices import TakenAlong, check_roots, slices_in
+from experiments.proof.cases.slices import DIRECTIONS, TakenAlong, check_roots, slices_in
+from experiments.proof.cases.votes import Polls, check_votes
 from experiments.proof.edges import SIDES, WORLD, add, plane, unit_normal
 from experiments.proof.exact import Arc, Vector, are_apart, claimed, in_common
 from experiments.proof.given.frame import Frame
@@ -61,13 +64,16 @@ class Chain(Known):
             raise Broken("a line of another time than its frame's")
         if line["version"] != VERSION:
             raise Broken(f"version {shown(line['version'])}, where version {VERSION} is read")
-        proved = check(line) if self._is_mine and "pieces" not in line else None
+        by_cases = "pieces" in line or "cases" in line
+        proved = check(line) if self._is_mine and not by_cases else None
         self._check_boxes(line)
         if self._is_mine:
             self.links["certificates"] += 1
             for row, source in zip(line["rows"], line["sources"], strict=True):
                 self._check_row(row, source)
-        if "pieces" in line:
+        if "cases" in line:
+            self._by_votes(line)
+        elif by_cases:
             self._case_by_case(line)
         elif "empty" in line:
             self.is_empty = True
@@ -94,12 +100,26 @@ class Chain(Known):
         robot = line["robot"]
         if roots := slices_in(line, "roots"):
             check_roots(roots, self._slices_of(robot))
-        left = check_cases(line, self._instants[-1])
+        left = check_cases(line, self._instants[-1], roots)
         if left is None or are_apart(self._looks[robot], left):
             self._is_torn = True
             return
         self._looks[robot] = in_common(self._looks[robot], [left])
         self.links["robots, case by case"] += 1
+
+    def _by_votes(self, line: Record) -> None:
+        if not self.is_voted:
+            raise Broken("votes, where the summary says that nothing is tolerated")
+        robot, then = line["robot"], replace(self._instants[-1], frame=self._heard)
+        polls = Polls.of(line, self._polls.get(robot), then.frame.time, self.frames - 1)
+        if self._is_mine:
+            check_votes(line, then, polls, partial(self._now, robot))
+            self.links["robots, by votes"] += 1
+        self._polls[robot] = polls.left
+        self._looks[robot] = in_common(self._looks[robot], [claimed(*line["heading"])])
+        for normal, far in zip(DIRECTIONS, line["reach"], strict=True):
+            add(self.edges, (WORLD, robot), normal, exact(far))
+        self.windows.add(line, polls.left, then.frame.time)
 
     def _narrow(self, frame: Frame, record: Record) -> None:
         """Check the headings of one record against all that is known so far, and take them over; or that there are none."""

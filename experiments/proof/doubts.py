@@ -60,10 +60,11 @@ class Doubts:
         waiting: Robots that have started over and are not in force again: nothing that ties them to others counts.
     """
 
-    def __init__(self, log: Log, share: Share | None = None) -> None:
+    def __init__(self, log: Log, share: Share | None = None, *, is_voted: bool = False) -> None:
+        """Take what was given to the filter, whose share it is, and whether sightings are votes; then there are no doubts."""
         self.assumed: Counter[str] = Counter()
         self._share = share or Share()
-        self.main, self.waiting = Chain(log, self._share), frozenset[int]()
+        self.main, self.waiting = Chain(log, self._share, is_voted=is_voted), frozenset[int]()
         self._log, self._heard, self._aside = log, list[Frame](), list[Wrong]()
         self._living = dict[str, Alternative]()
 
@@ -74,6 +75,8 @@ class Doubts:
             Broken: Something does not follow, or an alternative is missing.
         """
         frame = self._begin(told)
+        if told and self.main.is_voted:
+            raise Broken(f"a doubt at t = {frame.time} s, where there are votes")
         if self._living or any(INSTANTS in record for _, record in told):
             with located(f"in doubt at t = {frame.time} s"):
                 self._go_on(told)

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Self
 
 from experiments.proof.cases.slices import Slice, TakenAlong
+from experiments.proof.cases.votes import Poll, Windows
 from experiments.proof.edges import Edges, all_edges, through_corner
 from experiments.proof.exact import Arc, Vector
 from experiments.proof.given.frame import Frame
@@ -27,12 +28,15 @@ class Known:
 
     Attributes:
         links: How many links of each kind there were, all of them proved, in this process's share.
+        is_voted: Whether sightings are votes.
+        windows: How long these were.
         is_empty: Whether it was claimed in the last step that nothing is possible.
         shown: What the last step's certificates have proved of each robot and pair, after all that its headings rest on.
     """
 
-    def __init__(self, log: Log, share: Share | None = None) -> None:
-        self._share = share or Share()
+    def __init__(self, log: Log, share: Share | None = None, *, is_voted: bool = False) -> None:
+        """Take what was given to the filter, whose share it is, and whether sightings count as votes alone."""
+        self._share, self.is_voted, self.windows = share or Share(), is_voted, Windows()
         self._is_mine, self._is_torn = True, False  # whether to prove what is claimed now; whether no case is left in this step
         self.links: Counter[str] = Counter()
         self.is_empty = False
@@ -48,6 +52,8 @@ class Known:
         self._grown: dict[tuple[int, int, Vector, int], tuple[int, Fraction]] = {}  # up to which frame, and by how much
         self._seen: set[str] = set()
         self._slices: Told = {}
+        self._polls: dict[int, Poll] = {}  # of robots
+        self._heard = Frame(0.0)  # the last frame, with all that counts as votes
         self._looks: list[Arc] = []  # what is proved of the headings, which can be more than is claimed
         self._told: tuple[list[Arc], list[Arc]] = [], []  # these, and what is left of them by what `_looking` takes
 
@@ -101,7 +107,8 @@ class Known:
         return self._proved[-1]
 
     def _begin(self, frame: Frame) -> Frame:
-        log, number = self._log, self.frames
+        log, number, self._heard = self._log, self.frames, frame.only("compass", "bearing", "range")
+        frame = frame.only("compass") if self.is_voted else frame
         self._ended = {then: each for then, each in self._ended.items() if number - BACK < then < number}
         self._ended[number] = [*self._placed], self._slices
         self._grown = {row: grown for row, grown in self._grown.items() if number - BACK < grown[0]}
@@ -112,6 +119,7 @@ class Known:
         self._proved.append({})
         looks, sides = [turned(*each) for each in driven], Sides(log.robots, log.landmarks, log.mounts)
         self._slices = {robot: told for robot, told in self._slices.items() if robot not in frame.placed}
+        self._polls = {robot: poll for robot, poll in self._polls.items() if robot not in frame.placed}
         for robot, start in frame.placed.items():
             looks[robot], self._placed[robot] = start.heading, number
         self._instants.append(Instant(log, frame, looks, sides, self.edges))
@@ -120,8 +128,11 @@ class Known:
 
     def _slices_of(self, robot: int) -> list[Slice]:
         """Return the slices of a robot's poses that were told last, as they are now; none if there are none."""
-        told = self._slices.get(robot)
-        return told.at(self.frames - 1, lambda frame: self._instants[frame].frame.pieces[robot]) if told else []
+        return self._now(robot, self._slices[robot]) if robot in self._slices else []
+
+    def _now(self, robot: int, told: TakenAlong) -> list[Slice]:
+        """Return slices of a robot's poses as they are now."""
+        return told.at(self.frames - 1, lambda frame: self._instants[frame].frame.pieces[robot])
 
     def _support(self, number: int, body: int, normal: Vector) -> Fraction:
         motions = self._history[number]

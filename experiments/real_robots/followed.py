@@ -96,14 +96,14 @@ def team_filter(
         scenario: The run.
         motions: The robots' commands.
         tolerate: How many wrong votes on a robot do no harm, 0 or 1.
-        proofs: A folder for all that is to be proved again, or None; with 0 alone.
+        proofs: A folder for all that is to be proved again, or None; not with the robust filter.
         which: The one filter for all teams, or the robust filter.
 
     Raises:
-        InvalidInput: There are no proofs of what votes say, nor of what the robust filter does.
+        InvalidInput: There are no proofs of what the robust filter does.
     """
-    if proofs is not None and (tolerate or which == "robust"):
-        raise InvalidInput("--filter sets --tolerate 0 for --certificates, as votes have none", f"{which}, {tolerate}")
+    if proofs is not None and which == "robust":
+        raise InvalidInput("--filter sets for --certificates", which)
     if which == "robust":
         return voting(scenario, Carried(motions), RobustFilter(scenario.team, Rules(tolerate)))
     return believing(scenario, Carried(motions), proofs, TOLERANCE if tolerate else None)
@@ -172,7 +172,7 @@ def believing(
     frames, own = tee(scenario.frames)
     told = carried.scenario(replace(scenario, frames=own))
     sets = SetMembershipFilter(scenario.team, each_alone=proofs is not None, tolerance=tolerance, **SETS)
-    with nullcontext() if proofs is None else Provable(proofs, told) as kept:
+    with nullcontext() if proofs is None else Provable(proofs, told, tolerance) as kept:
         for frame, step in zip(frames, steps(sets, told), strict=True):
             if kept is not None:
                 kept.keep(step)

@@ -12,7 +12,7 @@ from filter.linear.constraints import WORLD, Constraints
 from filter.linear.sources import Source
 from filter.poses.cells import Most, Told
 from filter.poses.slices import COUNT, DIRECTIONS, Slices
-from filter.poses.votes import Ballots, Polling
+from filter.poses.votes import Ballots, Polled, Polling
 from filter.projection.stop import IsOver
 from filter.records.measurements import Compass, Measurement, Position
 from filter.records.relative import RelativeHeading
@@ -21,6 +21,7 @@ from filter.sensing.headings import narrowed_headings
 from filter.sensing.readings import Readings
 from filter.sets.belief import Belief
 from filter.sets.conflict import Motion
+from filter.sets.proof import After
 from filter.sets.set_membership import StrictFilter
 from filter.sets.suspect import Suspect, Tolerated
 
@@ -45,8 +46,10 @@ class VotingFilter(StrictFilter):
             return super()._updated(belief, measurements, is_over)
         believed = tuple(record for record in measurements if isinstance(record, Compass | Position))
         polled = self._polled(belief, measurements, self.tolerance.window)
-        found = super()._updated(polled, believed, is_over)
-        return replace(found, slices=polled.slices, votes=polled.votes, events=(*polled.events, *found.events))
+        with After(polled.proofs):
+            found = super()._updated(polled, believed, is_over)
+        events, proofs = (*polled.events, *found.events), (*polled.proofs, *found.proofs)
+        return replace(found, slices=polled.slices, votes=polled.votes, events=events, proofs=proofs)
 
     def _polled(self, belief: Belief, records: tuple[Measurement, ...], window: float) -> Belief:
         """Return what votes leave of poses, with the hulls of it as rows; raises `Inconsistent` if that is nothing."""
@@ -57,12 +60,15 @@ class VotingFilter(StrictFilter):
         seer = np.concatenate([readings.bearings.robot, readings.ranges.robot])[told.reading]
         poll = Polling(belief.polytope, told, seer, self.team.landmarks, Most(self.cells, self.slices))
         votes, before = poll.opened(belief.votes, belief.slices, belief.time, window)
-        slices = poll.cast(before)
-        looks, reach = _hulls(slices, headings, readings, poll.robots)
+        cast = poll.cast(before)
+        looks, reach = _hulls(slices := cast.slices, headings, readings, poll.robots)
+        narrower = headings.replaced(poll.robots, looks)
         wrong = slices.contradicted()
         events = tuple(_told(belief.time, slices, votes, robot) for robot in wrong.tolist())
-        votes, slices = poll.ended(votes, slices, wrong)
-        found = replace(belief, headings=headings.replaced(poll.robots, looks), slices=slices, votes=votes, events=events)
+        since, slices = poll.ended(votes, slices, wrong)
+        polled = Polled(poll, readings, belief.sources, belief.slices, votes, cast, slices, narrower)
+        known = replace(belief, headings=narrower, proofs=(polled,))
+        found = replace(known, slices=slices, votes=since, events=events)
         return _with_rows(found, poll.robots, reach)
 
 

@@ -8,7 +8,7 @@ Robust set-membership state estimation, Automatica 2009) by recursion.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -16,10 +16,14 @@ from typing import NamedTuple
 import numpy as np
 
 from filter.arrays import Array, Frozen, Integers, Mask, places
+from filter.geometry.angles import AngularIntervals
 from filter.linear.polytope import Polytope
-from filter.poses.cells import START_EDGES, Most, Told, as_sets, sets_of
+from filter.linear.sources import Sources
+from filter.poses.branch import Tree
+from filter.poses.cells import START_EDGES, ByCases, Most, Told, as_sets, sets_of
 from filter.poses.slices import AGREED, EARLIER, Slices, regrouped
 from filter.poses.turns import Outcome, Sets, Starts, in_turn
+from filter.sensing.readings import Readings
 
 OF_A_WINDOW = 0.1  # of a window at most a vote lasts; what follows is another one
 
@@ -69,6 +73,30 @@ class Case(NamedTuple):
         begins = np.append(True, (np.diff(slices.robot) != 0) | (np.diff(slices.vote) != 0))[: len(slices)]
         first = np.flatnonzero(begins)
         return cls(slices.robot[first], slices.vote[first], np.append(first, len(slices)))
+
+
+class Cast(NamedTuple):
+    """What votes left of slices.
+
+    Attributes:
+        idle: (s) slices that nothing was said of.
+        before: The others, before,
+        case: of k cases,
+        found: and what was found of these.
+    """
+
+    idle: Slices
+    before: Slices
+    case: Case
+    found: Outcome
+
+    @property
+    def slices(self) -> Slices:
+        """What is left, in order of robots and votes."""
+        found, case = self.found, self.case
+        left = found.slices[np.arange(found.slices.shape[1]) < found.kept[:, None]]
+        whose, without = np.repeat(case.robot, found.kept), np.repeat(case.vote, found.kept)
+        return _in_order([self.idle, Slices.of_table(whose, left, without)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +161,7 @@ class Polling(Frozen):
     def _begun(self, mine: Slices, robot: int) -> Slices:
         """Return the slices of a robot as its window begins: all of them agree with what was said before."""
         if not len(mine):
-            return Slices.around(robot, self.known.of_robots(np.array([robot])).polygons[0], self.told.headings)
+            return Slices.around(robot, as_sets(self.known, np.array([robot]), START_EDGES)[0], self.told.headings)
         return mine if (mine.vote == AGREED).all() else self._as_one(mine, AGREED)
 
     def _without(self, slices: Slices, closed: Mask) -> Slices:
@@ -152,16 +180,16 @@ class Polling(Frozen):
         table = regrouped(heading, leaves, len(mine), max(1, self.most.taken_along))
         return Slices.of_table(np.full(len(table), robot), table, vote)
 
-    def cast(self, slices: Slices) -> Slices:
-        """Return what votes leave of slices, in order of robots and votes: each is cut by all but the one it does without.
+    def cast(self, slices: Slices) -> Cast:
+        """Return what votes leave of slices in order of robots and votes: each is cut by all but the one it does without.
 
         Mates are where they were known to be before, whoever comes first.
         """
         told, said = self._told_to(Case.of(slices))
         idle = np.repeat(said[:, 0] == said[:, 1], np.diff(Case.of(slices).first))
-        if idle.all():
-            return slices
         case, mine = Case.of(slices.select(~idle)), slices.select(~idle)
+        if not len(mine):
+            return Cast(slices, mine, case, Outcome.blank(0, 0, 0))
         starts, sets = self._starts(case, said[said[:, 0] < said[:, 1]], mine)
         room = Most(max(self.most.cells, 2 * int(np.diff(case.first).max())), max(1, self.most.slices))
         count, done, heard = len(case.robot), 0, told.heard(self.robots)
@@ -169,9 +197,7 @@ class Polling(Frozen):
         while done < count:
             nowhere = in_turn((done, count), starts, heard, sets, found)
             done = count if nowhere < 0 else nowhere + 1
-        left = found.slices[np.arange(found.slices.shape[1]) < found.kept[:, None]]
-        whose, without = np.repeat(case.robot, found.kept), np.repeat(case.vote, found.kept)
-        return _in_order([slices.select(idle), Slices.of_table(whose, left, without)])
+        return Cast(slices.select(idle), mine, case, found)
 
     def _told_to(self, case: Case) -> tuple[Told, Integers]:
         """Return what is told in all cases, one after the other, and from where to where (k, 2) it is in each."""
@@ -191,6 +217,44 @@ class Polling(Frozen):
         lines, roots = (polygons.normals[edges], polygons.offsets[edges]), (slices.centre, slices.bound, slices.reach)
         starts = Starts(case.robot, said, lines, polygons.vertices[edges], begins, roots, case.first, is_taken=False)
         return starts, sets_of(self.known, self.landmarks, self.told.target, polygons.margin)
+
+
+@dataclass(frozen=True, eq=False)
+class Polled(Frozen):
+    """Votes of one time, and a proof of what they leave: that it is in none of the pieces that slices were split into.
+
+    Attributes:
+        polling: What they were cast into.
+        readings: What they were.
+        sources: What produced the polytope's rows.
+        earlier: Slices before,
+        votes: votes after those of this time began,
+        cast: what was left then,
+        left: and where all that are left agree as their window is over.
+        headings: (n) afterwards [rad].
+    """
+
+    polling: Polling
+    readings: Readings
+    sources: Sources
+    earlier: Slices
+    votes: Ballots
+    cast: Cast
+    left: Slices
+    headings: AngularIntervals
+
+    def begun(self, robot: int) -> Slices:
+        """Return the slices of a robot when votes of this time had begun."""
+        return _in_order([self.cast.idle.of(robot), self.cast.before.of(robot)])
+
+    def cases(self, robot: int) -> Iterator[tuple[int, ByCases]]:
+        """Yield of each case of a robot of which anything was said the vote that is left out, and what was found."""
+        (polling, cast), told = (self.polling, self.cast), self.polling.told
+        for k in np.flatnonzero(cast.case.robot == robot).tolist():
+            before, found = cast.before.select(np.arange(*cast.case.first[k : k + 2])), cast.found
+            tree, left = Tree(*(column[k] for column in found.trees)), found.slices[k, : found.kept[k]]
+            how = told.headings, robot, told.spacing, tree, np.zeros((0, 4)), found.heading[k]
+            yield int(cast.case.vote[k]), ByCases(polling.known, self.sources, *how, before, left)
 
 
 def _joined(parts: Sequence[Slices]) -> Slices:

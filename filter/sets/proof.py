@@ -14,6 +14,7 @@ from filter.linear.constraints import WORLD
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Source, Sources
 from filter.poses.cells import Cases
+from filter.poses.votes import Polled
 from filter.projection.claims import Outlines, Weights
 from filter.sets.merged import Directions
 
@@ -78,7 +79,7 @@ class Proof(Frozen):
         return self.weights.rests_on(claim)
 
 
-Evidence = Proof | Cases | Directions
+Evidence = Proof | Cases | Directions | Polled
 
 
 class After:

@@ -77,11 +77,11 @@ class Target:
     nearest: int
 
 
-def check_cases(line: Record, then: Instant) -> Arc | None:
+def check_cases(line: Record, then: Instant, roots: Sequence[Slice]) -> Arc | None:
     """Return what is proved of the robot's heading, if the line's claims hold in every case; None if no case is left.
 
-    Its boxes and rows, and the slices that its cases begin from, if any, have to be proved before. Of what was measured, that
-    counts which is `said` in the line.
+    Its boxes and rows, and the roots, slices that its cases begin from, if any, have to be proved before. Of what was measured,
+    that counts which is `said` in the line.
 
     Raises:
         Broken: A piece is not within what is claimed, or the line is misshapen.
@@ -89,16 +89,16 @@ def check_cases(line: Record, then: Instant) -> Arc | None:
     then = replace(then, headings=looking(then.frame, then.headings))
     robot, claim = line["robot"], claimed(*line["heading"])
     claims = [three(*unit_normal(claim["normal"]), exact(claim["offset"])) for claim in line["claims"]]
-    places, spacing = _places(line), float(exact(line["spacing"]))
+    places, spacing = places_in(line), float(exact(line["spacing"]))
     said = {who: then.frame.of(*who) for who in ((one["kind"], one["robot"], one["target"]) for one in line["said"])}
     _bound_work(line, spacing, sum(map(len, said.values())))
     bodies = sorted({body for _, *two in said for body in two} - {robot})
     targets = [target for body in bodies for target in _targets(then, robot, body, places, said)]
     arcs, slices = list[Arc](), slices_in(line, "slices")
-    waiting = list(reversed(_roots(line, places[robot], then.headings[robot])))
+    waiting = list(reversed(_poses(roots, places[robot], then.headings[robot])))
     for piece in line["pieces"]:
         pose = waiting.pop()
-        if pose and claims and claim.covers(pose[1]) and not _beyond(pose, claims, slices):
+        if pose and (claims or slices) and claim.covers(pose[1]) and not _beyond(pose, claims, slices):
             arcs.append(pose[1])
             pose = None  # what is claimed holds already, whatever cuts and parts leave
         for _ in range(piece["rounds"]):
@@ -127,9 +127,8 @@ def _beyond(pose: Pose, claims: Sequence[Three], slices: Sequence[Slice]) -> str
     return "its slices" if slices and not are_around(slices, *pose) else ""
 
 
-def _roots(line: Record, polygon: Polygon, heading: Arc) -> list[Pose | None]:
+def _poses(slices: Sequence[Slice], polygon: Polygon, heading: Arc) -> list[Pose | None]:
     """Return the poses that cases begin from: all that a polygon and a heading leave of slices, or both as they are."""
-    slices = slices_in(line, "roots")
     if not slices:
         return [(polygon, once_around(heading))]
     found = list[Pose | None]()
@@ -148,7 +147,7 @@ def _bound_work(line: Record, spacing: float, readings: int) -> None:
         raise Broken(f"{sum(rounds)} rounds of {readings} readings, with tangents {spacing:g} rad apart, are too many")
 
 
-def _places(line: Record) -> dict[int, Polygon]:
+def places_in(line: Record) -> dict[int, Polygon]:
     """Return where the robots of a line can be, by its boxes and rows."""
     found = {int(text): Polygon.box(plane(line["lower"][text]), plane(line["upper"][text])) for text in line["upper"]}
     for row in line["rows"]:

@@ -59,8 +59,11 @@ class Slice:
 
     def holds(self, other: Slice) -> bool:
         """Return whether another one is within it, for sure."""
-        far = all(mine >= its for mine, its in zip(self.reach, other.reach, strict=True))
-        return far and self.arc.covers(other.arc)
+        return self.reaches(other) and self.arc.covers(other.arc)
+
+    def reaches(self, other: Slice) -> bool:
+        """Return whether its places reach as far as those of another one."""
+        return all(mine >= its for mine, its in zip(self.reach, other.reach, strict=True))
 
     def around(self, polygon: Polygon) -> bool:
         """Return whether places of a polygon are all within its reach."""
@@ -92,14 +95,21 @@ def slices_in(line: Record, name: str) -> list[Slice]:
 class TakenAlong:
     """The slices of a line, which are moved when they are asked for; as they were at the last frames asked for is kept."""
 
-    def __init__(self, line: Record, frame: int) -> None:
-        """Take a line with slices, and the number of its frame."""
-        self._first, self._line, self._found = frame, line, dict[int, list[Slice]]()
+    def __init__(self, line: Record, frame: int, name: str = "slices") -> None:
+        """Take a line with slices by a name, and the number of its frame."""
+        self._first, self._told, self._found = frame, {name: line.get(name, [])}, dict[int, list[Slice]]()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there are none."""
+        return not any(self._told.values())
 
     def at(self, now: int, pieces: Callable[[int], Sequence[Piece]]) -> list[Slice]:
         """Return them at a frame, given the pieces of motion before each frame since they were told."""
+        if self.is_empty:
+            return []
         begin = max([frame for frame in self._found if frame <= now], default=self._first)
-        found = self._found.get(begin) or slices_in(self._line, "slices")
+        found = self._found.get(begin) or slices_in(self._told, *self._told)
         for frame in range(begin + 1, now + 1):
             found = self._found[frame] = [each.moved(pieces(frame)) for each in found]
         self._found = dict(sorted(self._found.items())[-FRAMES_KEPT:])
@@ -120,14 +130,24 @@ def check_roots(roots: Sequence[Slice], proved: Sequence[Slice]) -> None:
 
 def are_around(slices: Sequence[Slice], polygon: Polygon, arc: Arc) -> bool:
     """Return whether poses, all in a polygon and with a heading in an arc, are within slices, for sure."""
-    arcs = [turn for each in slices if (turns := _turns(each.arc, arc)) and each.around(polygon) for turn in turns]
+    return _is_covered(arc, [each.arc for each in slices if _turns(each.arc, arc) and each.around(polygon)])
+
+
+def are_within(some: Sequence[Slice], slices: Sequence[Slice]) -> bool:
+    """Return whether all poses in some slices are within others, for sure."""
+    return all(_is_covered(one.arc, [each.arc for each in slices if each.reaches(one)]) for one in some)
+
+
+def _is_covered(arc: Arc, arcs: Sequence[Arc]) -> bool:
+    """Return whether every angle of an arc is in one of some others, for sure."""
+    parts = [turn for each in arcs for turn in _turns(each, arc)]
     at = arc.first
     while at < arc.last:
-        farther = max((each.last for each in arcs if each.first <= at), default=at)
+        farther = max((each.last for each in parts if each.first <= at), default=at)
         if farther <= at:
             return False
         at = farther
-    return bool(arcs)
+    return bool(parts)
 
 
 def _turns(arc: Arc, where: Arc) -> list[Arc]:

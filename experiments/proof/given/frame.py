@@ -1,7 +1,7 @@
 """What came with one frame, in exact numbers. Standard library only."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from experiments.proof.edges import SIDES, plane, through_corner
@@ -113,6 +113,10 @@ class Frame:
     def placed(self) -> dict[int, Start]:
         """Where robots were put, at last."""
         return {robot: start for robot, start in self.changes if start}
+
+    def only(self, *kinds: str) -> "Frame":
+        """Return the same with readings of some kinds alone."""
+        return replace(self, readings={who: some for who, some in self.readings.items() if who[0] in kinds})
 
     def of(self, kind: str, robot: int, target: int | None = None) -> list[Reading]:
         """Return all that one robot measured of a target."""

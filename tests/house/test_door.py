@@ -23,7 +23,7 @@ PAST = {
     "experiments/logs/checks.py": "the same checks, for all of logs",
     "experiments/logs/exactly.py": "rows",
     "experiments/logs/sides.py": "where targets are at a glance, to prove what the filter took from that",
-    "experiments/logs/votes.py",
+    "experiments/logs/votes.py": "which slices agree with every vote, and which do without one",
     "experiments/watchdog/behind.py": "which readings concern a robot, whose poses were found in cells by them",
 }
 

@@ -6,8 +6,9 @@ reads what `python -m experiments.moving_team --certificates`, or `experiments.f
 docs/soundness.md): the log, and for each of its frames the headings with what made them narrower, a closed polygon of each
 robot with the proof of every edge, and the regions as the recording, the trajectories and the summary show them. Each line is
 proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
-(`experiments.proof.chain`). What is on trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all
-this is in FOLDER/certified, and only that is proved. With `--workers N` so many processes share the proof.
+(`experiments.proof.chain`). Where the summary says that something is tolerated, sightings count as votes alone. What is on
+trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all this is in FOLDER/certified, and only
+that is proved. With `--workers N` so many processes share the proof.
 
 Exit code: 0 if everything is proved, 1 if something is not, or a file is damaged or is not there, 2 if there are no
 certificates at all, 3 if the verdict cannot be written.

@@ -233,7 +233,10 @@ REFUSED = {
     "a tolerance": (["--filter", "robust", "--tolerate", "1"], "--filter sets, which alone has --tolerate"),
     "lies of nobody": (["--lies", "long"], "a --tolerate above 0"),
     "fewer than nobody": (["--tolerate", "-1"], "q, suspects that lie"),
-    "proofs of a tolerance": (["--tolerate", "1", "--certificates"], "--tolerate 0 for --certificates"),
+    "proofs of a tolerance": (
+        ["--tolerate", "1", "--certificates"],
+        "--tolerate 0, or --suspects identities, for --certificates",
+    ),
 }
 
 

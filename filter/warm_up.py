@@ -11,6 +11,7 @@ from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.diagnosis.tolerance import Tolerance
 from filter.errors import Inconsistent
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.around import lines_around
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.motions import Motions
@@ -58,6 +59,7 @@ def _follow(filter_: Any) -> None:
         for odometry, records in _scene():
             belief = _told(filter_, filter_.predict(belief, odometry.time, odometry), records)
         polygons = [region.outer for region in belief.regions]
+        _ = lines_around([Polygons.of(polygons)] * 2)
         _ = Polygons.of(polygons).areas, [(polygon.area, polygon.centroid) for polygon in polygons]
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from filter.arrays import Array
 from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, wrap
-from filter.geometry.many import Polygons
-from filter.geometry.polygon import SIDES, Polygon
+from filter.geometry.around import lines_around
+from filter.geometry.many import Polygons, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
@@ -20,10 +20,9 @@ def cover_of(beliefs: Sequence[Belief]) -> Belief:
     The guarantee is that of the first one.
     """
     first, robots = beliefs[0], np.arange(len(beliefs[0].headings))
-    hulls = [hull_of([belief.regions.outer[robot] for belief in beliefs]) for robot in robots.tolist()]
+    normals, offsets, begin = lines_around([belief.regions.outer for belief in beliefs])
     table, numbers = Sources().extended("region", first.time, robots)
-    j = np.repeat(robots, [len(hull.offsets) for hull in hulls])
-    normals, offsets = (np.concatenate([getattr(hull, name) for hull in hulls]) for name in ("normals", "offsets"))
+    j = np.repeat(robots, np.diff(begin))
     lower = np.min([belief.polytope.lower for belief in beliefs], axis=0)
     upper = np.max([belief.polytope.upper for belief in beliefs], axis=0)
     rows = Constraints(np.full(len(j), WORLD), j, normals, offsets, numbers[j])
@@ -32,18 +31,11 @@ def cover_of(beliefs: Sequence[Belief]) -> Belief:
 
 
 def hulls_of(several: Sequence[Polygons]) -> Polygons:
-    """Return (n) polygons, each around its own ones in several lists of n."""
-    return Polygons.of([hull_of([each[k] for each in several]) for k in range(len(several[0]))])
-
-
-def hull_of(polygons: Sequence[Polygon]) -> Polygon:
-    """Return a polygon around others: it errs outward, or is the one if they are the same."""
-    first = polygons[0]
-    if all(np.array_equal(first.offsets, each.offsets) and np.array_equal(first.normals, each.normals) for each in polygons):
-        return first
-    normals = Polygon.hull(np.concatenate([polygon.vertices for polygon in polygons])).normals
-    offsets, sides = (np.max([polygon.support(each) for polygon in polygons], axis=0) for each in (normals, SIDES))
-    return Polygon.from_half_planes(normals, offsets, -sides[2:], sides[:2])
+    """Return (n) polygons, each around its own ones in several lists of n; they err outward."""
+    normals, offsets, first = lines_around(several)
+    boxes = [each.boxes() for each in several]
+    lower, upper = np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+    return clip_boxes(normals, offsets, (first[:-1], first[1:]), lower, upper).polygons
 
 
 def arcs_around(several: Sequence[AngularIntervals]) -> AngularIntervals:

@@ -65,6 +65,13 @@ class Polygons(Lists, Sequence[Polygon]):
         """(n,) areas of the hulls of the vertices [m2]."""
         return read_only(areas_of(self.vertices, self.first))
 
+    def boxes(self) -> tuple[Array, Array]:
+        """Return lower and upper corners (n, 2) of boxes around the polygons; they err outward [m]."""
+        begin = self.first[:-1]
+        low, high = np.minimum.reduceat(self.vertices, begin), np.maximum.reduceat(self.vertices, begin)
+        outward = (self.margin + 8 * EPSILON * np.maximum(np.abs(low), np.abs(high)).max(axis=1))[:, None]
+        return low - outward, high + outward
+
     def corners(self) -> list[Array]:
         """Return the vertices (e, 2) of each polygon [m]."""
         return np.split(self.vertices, self.first[1:-1]) if len(self) else []

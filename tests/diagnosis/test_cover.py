@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from filter.diagnosis.cover import arcs_around, hull_of, hulls_of
+from filter.diagnosis.cover import arcs_around, hulls_of
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.around import lines_around
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 
@@ -13,6 +14,11 @@ def drawn(rng, where):
     """Return a polygon, a segment or a point, near a place or far off."""
     points = where + rng.normal(size=(int(rng.integers(1, 8)), 2)) * 10.0 ** rng.integers(-3, 3)
     return Polygon.from_vertices(points)
+
+
+def hull_of(polygons):
+    """Return the polygon around some others."""
+    return hulls_of([Polygons.of([polygon]) for polygon in polygons])[0]
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -34,7 +40,10 @@ def test_a_hull_contains_each_polygon_bit_by_bit(seed):
 
 def test_the_hull_of_the_same_is_the_same():
     box = Polygon.box([0, 0], [1, 2])
-    assert hull_of([box, Polygon.box([0, 0], [1, 2])]) is box
+    normals, offsets, first = lines_around([Polygons.of([box]), Polygons.of([Polygon.box([0, 0], [1, 2])])])
+    assert (normals == box.normals).all()
+    assert (offsets == box.offsets).all()
+    assert first.tolist() == [0, 4]
     assert hull_of([box, Polygon.box([0, 0], [1, 3])]).area == pytest.approx(3.0)
 
 

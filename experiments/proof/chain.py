@@ -53,6 +53,8 @@ class Chain(Known):
         for place, line in lines:
             with located(f"{place} (t = {frame.time} s, robot {shown(line.get('robot'))})"):
                 self.prove(line)
+        if self._is_torn and not self.is_empty:
+            raise Broken(f"no case is left of a robot's poses at t = {frame.time} s, and nothing is said to be empty")
 
     def prove(self, line: Record) -> None:
         """Prove one line in itself, its boxes and its rows, if that is for this process; what it says is known from then on.
@@ -119,7 +121,7 @@ class Chain(Known):
         self._looks[robot] = in_common(self._looks[robot], [claimed(*line["heading"])])
         for normal, far in zip(DIRECTIONS, line["reach"], strict=True):
             add(self.edges, (WORLD, robot), normal, exact(far))
-        self.windows.add(line, polls.left, then.frame.time)
+        self.windows.add(line, polls.cast, then.frame.time)
 
     def _narrow(self, frame: Frame, record: Record) -> None:
         """Check the headings of one record against all that is known so far, and take them over; or that there are none."""

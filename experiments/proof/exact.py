@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import atan2, cos, isqrt, lcm, pi, sin
+from math import atan2, isqrt, lcm, pi
 from typing import TypeVar
 
 Vector = tuple[Fraction, Fraction]
@@ -255,20 +255,6 @@ def half_circle(normal: Vector) -> Arc:
     """
     around = angle_of(normal)
     return Arc(around.first + HALF // 2, around.last + 3 * HALF // 2 + 3)
-
-
-def towards(angle: float) -> Whole:
-    """Return a vector near a direction [rad], of nearly length 1, in steps of 2^-60."""
-    return int(cos(angle) * ONE), int(sin(angle) * ONE)
-
-
-def half_circle_about(angle: float) -> tuple[Whole, Arc]:
-    """Return a normal nearly opposite to a direction [rad], likewise, and an arc around directions u with normal . u <= 0."""
-    (x, y), middle = towards(angle), below(Fraction(angle))
-    pairs = zip((x, y), direction(middle), strict=True)
-    off = sum(max(abs((value << KEPT - CHOSEN) - end) for end in between) for value, between in pairs)
-    reach = HALF // 2 + 2 + (2 * off << ANGLES - KEPT)
-    return (-x, -y), Arc(middle - reach, middle + reach + 1)
 
 
 def _both(known: Arc, arc: Arc) -> Arc:

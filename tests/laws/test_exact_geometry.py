@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments.logs.exactly import hexadecimal
-from experiments.proof.cases.cone import directions
+from experiments.proof.cases.cone import directions, half_circle_about
 from experiments.proof.cases.polygon import Polygon as ExactPolygon
 from experiments.proof.cases.polygon import three
 from experiments.proof.edges import plane, through_corner
@@ -23,7 +23,6 @@ from experiments.proof.exact import (
     Arc,
     angle_of,
     are_apart,
-    half_circle_about,
     in_common,
     length,
     once_around,

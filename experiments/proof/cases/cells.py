@@ -13,7 +13,7 @@ from fractions import Fraction
 from math import ceil, pi
 
 from experiments.proof.arms import Two, around
-from experiments.proof.cases.cone import HAIR, directions
+from experiments.proof.cases.cone import HAIR, directions, towards
 from experiments.proof.cases.polygon import Polygon, Three, three
 from experiments.proof.cases.slices import Slice, are_around, slices_in
 from experiments.proof.edges import WORLD, plane, unit_normal
@@ -33,7 +33,6 @@ from experiments.proof.exact import (
     once_around,
     steps,
     steps_long,
-    towards,
 )
 from experiments.proof.given.frame import Reading, Who
 from experiments.proof.measured import Instant, between

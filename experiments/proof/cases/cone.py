@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from math import atan2, cos, hypot, pi, sin
 
 from experiments.proof.cases.polygon import Polygon
-from experiments.proof.exact import ANGLES, ANYWHERE, Arc, half_circle_about, in_common
+from experiments.proof.exact import ANGLES, ANYWHERE, CHOSEN, HALF, KEPT, ONE, Arc, Whole, below, direction, in_common
 
 HAIR = 1e-12  # so far outward of the outermost places floats look for a side of a target [rad]
 QUARTER = pi / 2
@@ -29,6 +30,20 @@ def directions(polygon: Polygon, places: Polygon, nearest: int) -> Arc:
             turned = -(-(2 * beyond << ANGLES) // (nearest - 2 * beyond)) if beyond > 0 else 0
             found = in_common(found, [Arc(ahead.first - turned, ahead.last + turned)])
     return found
+
+
+def towards(angle: float) -> Whole:
+    """Return a vector near a direction [rad], of nearly length 1, in steps of 2^-60."""
+    return int(cos(angle) * ONE), int(sin(angle) * ONE)
+
+
+def half_circle_about(angle: float) -> tuple[Whole, Arc]:
+    """Return a normal nearly opposite to a direction [rad], likewise, and an arc around directions u with normal . u <= 0."""
+    (x, y), middle = towards(angle), below(Fraction(angle))
+    pairs = zip((x, y), direction(middle), strict=True)
+    off = sum(max(abs((value << KEPT - CHOSEN) - end) for end in between) for value, between in pairs)
+    reach = HALF // 2 + 2 + (2 * off << ANGLES - KEPT)
+    return (-x, -y), Arc(middle - reach, middle + reach + 1)
 
 
 def _guessed(polygon: Polygon, places: Polygon) -> list[float]:

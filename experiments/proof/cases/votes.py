@@ -110,7 +110,7 @@ def check_votes(line: Record, then: Instant, polls: Polls, now: Now) -> None:
     """Check what a line claims of votes at an instant. Its boxes and rows have to be proved before.
 
     Raises:
-        Broken: A case is missing, is left with less than can be, or uses what its vote has said.
+        Broken: A case is missing, is left with less than can be, or uses what its vote has said; or nothing is left in any.
     """
     robot, looks = line["robot"], looking(then.frame, then.headings)[line["robot"]]
 
@@ -129,6 +129,8 @@ def check_votes(line: Record, then: Instant, polls: Polls, now: Now) -> None:
     heading, reach = claimed(*line["heading"]), [below(exact(far), KEPT) for far in line["reach"]]
     around = Slice(heading, reach)
     left = [each for told in polls.cast.told.values() for each in of(told)]
+    if not left:
+        raise Broken(f"nothing is left of the poses of robot {robot}: more than one vote on it is wrong")
     if line[ENDED] is not None:
         _check_around(left, slices_in(line, ENDED))
     if not all(around.holds(each) for each in left):

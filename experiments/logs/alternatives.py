@@ -45,6 +45,8 @@ class Alternatives:
         self._recent = [*self._recent, Frame(step.frame.time, None, _heard(step, self._team.robots))][-MEMORY:]
         known = belief.diagnosis or Diagnosis()
         self.is_in_doubt = bool(known.tried)
+        if before.votes is not None and (known.tried or _restarts(step)):
+            raise InvalidInput(f"{PROVABLE} in which nothing is in doubt where there are votes", "a doubt")
         self._look_at(belief, known.tried)
         found = self._of_restarts(step) + [self._of_tried(one) for one in known.tried]
         united = [each for each in (*known.hypotheses, *([known.left] if known.left else [])) if each.unites]
@@ -84,8 +86,6 @@ class Alternatives:
 
     def _look_at(self, belief: Belief, tried: Sequence[Tried]) -> None:
         """Raise `InvalidInput` if something of a doubt cannot be proved, as yet."""
-        if tried and belief.votes is not None:
-            raise InvalidInput(f"{PROVABLE} in which no doubt is, where there are votes", "one")
         born = [one for one in tried if not one.parent]
         if bad := next((one for one in tried if one.end and not one.end[1]), None):
             words = "; ".join(map(self._team.words, bad.suspects))

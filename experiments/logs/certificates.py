@@ -10,7 +10,7 @@ has `sensors`, by their numbers, that is said of the place of one as seen from t
 
 A line with `pieces` was found case by case: a robot is behind all half-planes of its `claims`, as that is so of each piece that
 its poses were split into, cut by all that was measured of it. Its `rows` are of the robot alone, or of a mate alone, without
-multipliers.
+multipliers. A line with `cases` says what votes leave of a robot's poses, without each of them (`experiments.logs.votes`).
 
 `headings.jsonl.gz` beside it holds each step's heading intervals, as often as they became narrower, with the lines that have to
 be proved before; `regions.jsonl.gz` the regions with the very numbers that recordings, trajectories and summaries show,

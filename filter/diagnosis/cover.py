@@ -7,7 +7,6 @@ import numpy as np
 from filter.arrays import Array
 from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, wrap
 from filter.geometry.around import lines_around
-from filter.geometry.many import Polygons, clip_boxes
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
@@ -28,14 +27,6 @@ def cover_of(beliefs: Sequence[Belief]) -> Belief:
     rows = Constraints(np.full(len(j), WORLD), j, normals, offsets, numbers[j])
     headings = arcs_around([belief.headings for belief in beliefs])
     return Belief(first.time, Polytope(rows, lower, upper, numbers), headings, table, first.guarantee)
-
-
-def hulls_of(several: Sequence[Polygons]) -> Polygons:
-    """Return (n) polygons, each around its own ones in several lists of n; they err outward."""
-    normals, offsets, first = lines_around(several)
-    boxes = [each.boxes() for each in several]
-    lower, upper = np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
-    return clip_boxes(normals, offsets, (first[:-1], first[1:]), lower, upper).polygons
 
 
 def arcs_around(several: Sequence[AngularIntervals]) -> AngularIntervals:

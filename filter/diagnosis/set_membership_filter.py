@@ -8,13 +8,14 @@ import numpy as np
 
 from filter.arrays import Integers, checked, instance, shown
 from filter.diagnosis import judging, quiet
-from filter.diagnosis.cover import cover_of, hulls_of
+from filter.diagnosis.cover import cover_of
 from filter.diagnosis.hypotheses import Strict
 from filter.diagnosis.starting_over import assumption
 from filter.diagnosis.told import without_all
 from filter.diagnosis.tolerant import TolerantFilter
 from filter.errors import InvalidInput
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.around import hulls_of
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.projection.stop import IsOver, never

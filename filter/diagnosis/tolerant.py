@@ -4,11 +4,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from filter.arrays import Array, Integers
-from filter.diagnosis.cover import cover_of, hulls_of
+from filter.diagnosis.cover import cover_of
 from filter.diagnosis.united import united
 from filter.diagnosis.voting import VotingFilter
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals
+from filter.geometry.around import hulls_of
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from filter.arrays import Integers
-from filter.diagnosis.cover import cover_of, hulls_of
+from filter.diagnosis.cover import cover_of
+from filter.geometry.around import hulls_of
 from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD, Constraints
 from filter.poses.slices import NARROW_HEADING, Slices, regrouped

@@ -1,4 +1,4 @@
-"""Half-planes around polygons of several lists, those of each place together: what holds whichever list is right."""
+"""What is around polygons of several lists, those of each place together: what holds whichever list is right."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.compiled import compiled
 from filter.geometry.convex import EPSILON, Lines, hull_of
-from filter.geometry.many import Polygons
+from filter.geometry.many import Polygons, clip_boxes
 
 CAPS = 4  # bound a point, or a segment
 
@@ -25,6 +25,14 @@ def lines_around(several: Sequence[Polygons]) -> tuple[Array, Array, Integers]:
     lines = _around(vertices, (normals, offsets), first, margin)
     counts = np.bincount(lines[:, 3].astype(np.int64), minlength=len(several[0]))
     return lines[:, :2].copy(), lines[:, 2].copy(), np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
+
+
+def hulls_of(several: Sequence[Polygons]) -> Polygons:
+    """Return (n) polygons, each around its own ones in several lists of n; they err outward."""
+    normals, offsets, first = lines_around(several)
+    boxes = [each.boxes() for each in several]
+    lower, upper = np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+    return clip_boxes(normals, offsets, (first[:-1], first[1:]), lower, upper).polygons
 
 
 @compiled

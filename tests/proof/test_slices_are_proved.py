@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 from helpers.proved.forgeries import Forgeries, check_refused
-from helpers.proved.runs import HEADINGS, lines_of, moved
+from helpers.proved.runs import HEADINGS, lines_of, moved, run_of
 from helpers.worlds import World
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from experiments import prove
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.moving_team import main as moving_team
+from experiments.proof import chain
 from experiments.proof.cases import slices as exact
 from experiments.proof.cases.polygon import Polygon
 from experiments.proof.exact import PI, Arc, Fraction
@@ -112,6 +113,13 @@ def test_what_is_forged_is_refused(run, tmp_path, capsys, name):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)
     check_refused(copy, forged[name], capsys)
+
+
+def test_that_no_case_is_left_has_to_be_said(tmp_path, capsys, monkeypatch):
+    folder = run_of(tmp_path, steps=3)
+    monkeypatch.setattr(chain, "check_cases", lambda *_: None)
+    assert prove.main([str(folder)]) == 1
+    assert "no case is left of a robot's poses at t = 0.0 s" in capsys.readouterr().out
 
 
 def test_directions_are_those_of_the_filter():

@@ -5,16 +5,17 @@ import shutil
 
 import numpy as np
 import pytest
+from helpers.drawn.broken import going_on
 from helpers.drawn.lies import lied
-from helpers.proved.forgeries import Forgeries, check_refused
-from helpers.proved.runs import HEADINGS, moved, run_of
+from helpers.proved.forgeries import LOG, Forgeries, check_refused
+from helpers.proved.runs import HEADINGS, lines_of, moved, rewritten, run_of
 from helpers.worlds import World
 
 from experiments import prove
-from experiments.follow import main as follow
-from experiments.logs import Header, InitialSet, LogWriter
+from experiments.follow import main as followed
+from experiments.logs import Certificates, Header, InitialSet, LogWriter
 from experiments.prove import SUMMARY
-from filter import Frame, Suspect, Truth
+from filter import Frame, InvalidInput, Suspect, Tolerance, Truth, follow
 
 LIAR, AT = Suspect("sighting", 0, 3), 3
 
@@ -32,7 +33,7 @@ def voted(path, seed, window, *, robots=2, landmarks=3, compasses=False, steps=6
             log.write(lied(frame, LIAR, np.random.default_rng(1), size=2.0) if k == AT else frame)
     folder, votes = path / "run", ["--tolerate", "1", "--suspects", "identities", "--window", str(window)]
     how = ["--every", "0", "--certificates", "--light", *votes, "--out", str(folder)]
-    assert follow([str(path / "given.jsonl"), *how]) == 0
+    assert followed([str(path / "given.jsonl"), *how]) == 0
     return folder
 
 
@@ -161,6 +162,35 @@ def test_what_is_forged_is_refused(run, tmp_path, capsys, name):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)
     check_refused(copy, forged[name], capsys)
+
+
+def test_nothing_follows_where_nothing_is_left(run, tmp_path, capsys):
+    """All ranges of robot 0 are too long in the end: each case is empty, and it may not be said to be anywhere."""
+    copy = shutil.copytree(run, tmp_path / "copy")
+    records, lines = lines_of(copy, LOG), lines_of(copy, HEADINGS)
+    ranges = [record for record in records if record["record"] == "range"][-1]
+    ranges["range"] = [50.0 if robot == 0 else far for robot, far in zip(ranges["robot"], ranges["range"], strict=True)]
+    for case in [line for line in polls(lines) if line["robot"] == 0][-1]["cases"]:
+        case["slices"] = []
+    rewritten(copy, records, LOG)
+    rewritten(copy, lines, HEADINGS)
+    assert prove.main([str(copy)]) == 1
+    assert "nothing is left of the poses of robot 0" in capsys.readouterr().out
+
+
+def test_there_are_no_certificates_where_more_is_wrong_than_is_tolerated(tmp_path):
+    world = World(np.random.default_rng(4), 1, 6, 5.0, sight=9.0)
+    filter_ = going_on(world.team, tolerance=Tolerance(1, 99.0, "identities"))
+    before = filter_.start(0.0, world.initial_sets(), world.initial_headings(0.3))
+    with Certificates(tmp_path, world.team) as file, pytest.raises(InvalidInput, match="where there are votes"):
+        for k in range(4):
+            motion = world.tour() if k else None
+            frame = Frame(world.time, motion, tuple(world.measure()))
+            for target in (2, 5) if k == AT else ():
+                frame = lied(frame, Suspect("sighting", 0, target), np.random.default_rng(0), size=target)
+            (step,) = follow(filter_, before, [frame])
+            file.write(step)
+            before = step.belief
 
 
 def summary_with(folder, **more):

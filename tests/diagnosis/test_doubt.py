@@ -255,7 +255,7 @@ def test_a_sighting_that_is_left_alone_is_put_aside_and_what_is_known_holds_in_e
         for hull, region in zip(found.regions, case.belief.regions, strict=True):
             assert (region.outer.support(hull.outer.normals) <= hull.outer.offsets + ROUNDING).all()
     pasts = replace(now, hypotheses=(replace(cases[0], suspects=(Suspect("past", 0),)), *cases[1:]))
-    assert not judged(going_on(episode.team)._strict(never), pasts, ()).aside
+    assert len(judged(going_on(episode.team)._strict(never), pasts, ()).diagnosis.hypotheses) == 2
 
 
 def test_a_trial_of_somebody_silent_says_no_more_than_is_known():

@@ -139,6 +139,12 @@ def a_case_that_is_said_to_be_empty(lines):
     case["slices"] = []
 
 
+@forged("no slices, where", HEADINGS)
+def a_new_vote_without_which_nothing_is_said_to_be_left(lines):
+    case = next(case for case in polls(lines)[0]["cases"] if isinstance(case["vote"], list))
+    case["slices"] = []
+
+
 @forged("can be beyond its slices", HEADINGS)
 def slices_that_reach_less_far(lines):
     case = next(case for line in polls(lines) for case in line["cases"] if case.get("slices"))

@@ -53,8 +53,8 @@ class Options:
     log: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="LOG")]
     """What the robots measured: a log.jsonl, see docs/log.md."""
     filter: Literal["sets", "robust", "ekf"] = "sets"
-    """sets: guaranteed as long as every bound holds; robust: although one of them breaks now and then, for robots without
-    compass; ekf: a Kalman filter, which guarantees nothing."""
+    """sets: guaranteed as long as every bound holds; robust: the same with --policy reject, and with evidence on cameras that
+    are turned or late; ekf: a Kalman filter, which guarantees nothing."""
     against: Literal["ekf"] | None = None
     """Run a Kalman filter beside it, and tell both."""
     watch: Path | None = None
@@ -113,14 +113,13 @@ def filter_of(options: Options, team: Team) -> Filter[Any]:
     Raises:
         InvalidInput: The team is none for it, or there are no such windows.
     """
-    if options.filter == "robust":
-        return RobustFilter(team)
     if options.filter == "ekf":
         return ExtendedKalmanFilter(team)
-    make = SetMembershipFilter.light if options.light else SetMembershipFilter
+    kind, policy = (RobustFilter, "reject") if options.filter == "robust" else (SetMembershipFilter, options.policy)
     scope = Window.everybody() if options.hops is None else Window(options.hops)
     tolerance, proved = options.tolerating.tolerance(), options.certificates
-    return make(team, scope=scope, policy=options.policy, tolerance=tolerance, each_alone=proved)
+    make = kind.light if options.light else kind
+    return make(team, scope=scope, policy=policy, tolerance=tolerance, each_alone=proved)
 
 
 def every_of(options: Options) -> float:
@@ -131,12 +130,13 @@ def every_of(options: Options) -> float:
 
 def _check(options: Options) -> None:
     """Refuse options that would mean nothing together, and files that would be written over."""
-    defaults = {field: getattr(Options, field) for field in ("every", "hops", "light", "policy", "certificates", "watch")}
-    for name, default in defaults.items():
-        if options.filter != "sets" and getattr(options, name) != default:
-            raise InvalidInput(f"--filter sets, which alone has --{name}", f"--filter {options.filter}")
-    if options.tolerating.tolerance() is not None and options.filter != "sets":
-        raise InvalidInput("--filter sets, which alone has --tolerate", f"--filter {options.filter}")
+    of_sets = ("every", "policy", "certificates")
+    alone = {"sets": (), "robust": of_sets, "ekf": (*of_sets, "hops", "light", "watch")}
+    for name in alone[options.filter]:
+        if getattr(options, name) != getattr(Options, name):
+            raise InvalidInput(f"--filter sets, which has --{name}", f"--filter {options.filter}")
+    if options.tolerating.tolerance() is not None and options.filter == "ekf":
+        raise InvalidInput("--filter sets or robust, which have --tolerate", "--filter ekf")
     for name in ("against", "recording", "view"):
         if options.filter == "ekf" and getattr(options, name):
             raise InvalidInput(f"a filter with regions for --{name}", "--filter ekf")
@@ -192,7 +192,7 @@ class Following:
         if options.recording or options.view:
             from experiments.keeping.recorded import recorded  # noqa: PLC0415 - Rerun is half a second that few need
 
-            inside = options.filter == "sets" and options.hops is None
+            inside = options.filter != "ekf" and options.hops is None
             yield recorded(self._scenario, path, f"follow_{options.log.stem}", inside=inside, view=options.view)
 
     def run(self, filter_: Filter[Any]) -> int:

@@ -66,7 +66,7 @@ class Options:
     fault_robot: int = 1
     """Whose fault it is, by its number in the files."""
     filter: Which = "sets"
-    """sets: the one filter for all teams. robust: by votes alone, with evidence on turned and late cameras."""
+    """sets: the one filter for all teams. robust: the same, with evidence on turned and late cameras."""
     tolerate: Literal[0, 1] = 1
     """1: right although, for each robot, what it measures of one body, or one mate of it, is wrong for a while. 0: all is
     believed that is not proved wrong: smaller regions. What is proved to be more is in doubt until it is found out."""

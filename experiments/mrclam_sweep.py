@@ -29,12 +29,14 @@ from experiments.show.terminal import gathered, show_table
 from experiments.sweep.executors import executor
 from filter import Integers, InvalidInput, Mask
 
+EXCHANGED = ("markers of {0} and {1}, exchanged", "place or marker of {0}", "place or marker of {1}")
+# What is to be named of the robots that have a part in a fault: any of these.
 NAMES = {
-    "biased": ("camera",),
-    "biased_right": ("camera",),
-    "shifted_camera": ("camera clock",),
-    "swapped": ("identity",) * 2,
-    "exchanged": ("identity",) * 2,
+    "biased": ("camera of {0}", "sensor of {0}"),
+    "biased_right": ("camera of {0}", "sensor of {0}"),
+    "shifted_camera": ("camera clock of {0}", "sensor of {0}"),
+    "swapped": EXCHANGED,
+    "exchanged": EXCHANGED,
 }
 
 
@@ -75,9 +77,9 @@ class Outcome:
         others_in_force: How often while the guarantee for it was said to be in force.
         positions: How often the position of one that has a part in it was.
         headings: How often its heading was.
-        named: The guilty sensors that were named, and how long after the fault had begun [s].
-        missed: How many of them were not.
-        wrong: Good sensors that were named.
+        named: What is guilty and was named, and how long after the fault had begun [s].
+        missed: 1 if nothing was named that should have been, else 0.
+        wrong: What is good and was named.
     """
 
     fault: str
@@ -137,7 +139,8 @@ def judged(options: Options, fault: str, robot: int) -> Outcome:
     team, data = sorted(tables.logs), run_of(tables if fault == "none" else faulty(tables, fault, robot))
     pair = (robot, next_to(robot, team)) if fault in {"swapped", "exchanged"} else (robot,)
     guilty = np.isin(team, pair if fault != "none" else ())
-    wanted = [f"{sensor} of r{team.index(body)}" for sensor, body in zip(NAMES.get(fault, ()), pair, strict=False)]
+    names = [f"r{team.index(body)}" for body in sorted(pair)]
+    wanted = [words.format(*names) for words in NAMES.get(fault, ())]
     out, times = np.zeros(4, dtype=np.int64), dict[str, float]()
     for step in followed(options, data, team):
         out += counts(step, guilty)
@@ -146,7 +149,7 @@ def judged(options: Options, fault: str, robot: int) -> Outcome:
     named = [f"{name} {times[name]:.0f} s" for name in wanted if name in times]
     wrong = [f"{name} {times[name]:.0f} s" for name in times if name not in wanted]
     others, in_force, positions, headings = out.tolist()
-    told = ", ".join(named), len(wanted) - len(named), ", ".join(wrong)
+    told = ", ".join(named), int(bool(wanted) and not named), ", ".join(wrong)
     return Outcome(fault, robot, others, in_force, positions, headings, *told)
 
 

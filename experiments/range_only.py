@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -35,12 +35,11 @@ from experiments.following.steps import warmed_up
 from experiments.show.command import SUSPENDED, command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import Counting, print_table, tell, too_short
-from filter import Inconsistent, RobustFilter, SetMembershipFilter
+from filter import Inconsistent, SetMembershipFilter
 
 ANCHORS = (3, 4, 5, 6, 8)  # around a robot that stands alone
 JUDGES = {"alone": judged, "bearings": judged, "standing": at_most}
 ENOUGH_DRAWS, ENOUGH_STEPS = 20, 30
-FILTERS: dict[str, Any] = {"sets": SetMembershipFilter, "robust": RobustFilter}
 
 
 @dataclass(frozen=True)
@@ -61,8 +60,6 @@ class Options:
     """Largest error of a range [m]."""
     seed: int = 0
     """Where all randomness comes from: the same seed, the same scenes."""
-    filter: Literal["sets", "robust"] = "sets"
-    """sets: guaranteed as long as every bound holds; robust: although one of them breaks now and then."""
     out: Path = Path("runs/range_only")
     """Folder for summary, figure and recording."""
 
@@ -91,7 +88,7 @@ def run(options: Options) -> int:
     write_summary(folder, summary)
     draw_figure(folder, found, prices)
     scene = of_kind(found, "moving")[0].scene
-    record(folder / "range_only.rrd", FILTERS[options.filter](scene.team), scene)
+    record(folder / "range_only.rrd", SetMembershipFilter(scene.team), scene)
     print_scenes(summary)
     if prices:
         print_prices(summary, KINDS)
@@ -109,7 +106,6 @@ def exit_code(outcomes: Sequence[Outcome]) -> int:
 def said(options: Options) -> dict[str, Value]:
     """Return the options, by their names in the summary."""
     return {
-        "filter": options.filter,
         "draws": options.draws,
         "runs": options.runs,
         "steps": options.steps,
@@ -127,11 +123,10 @@ def compute(options: Options) -> tuple[Found, list[Price]]:
     found, prices, drawn = list[Any](), list[Price](), Counter[str]()
     with Counting(len(scenes), "scenes") as progress:
         for scene in scenes:
-            outcome = followed(FILTERS[options.filter](scene.team), scene)
+            outcome = followed(SetMembershipFilter(scene.team), scene)
             verdict = JUDGES.get(scene.kind, no_judge)(outcome)
             found.append((outcome, verdict))
-            if options.filter == "sets":
-                prices += prices_of(outcome, verdict if isinstance(verdict, Verdict) else None, drawn[scene.kind])
+            prices += prices_of(outcome, verdict if isinstance(verdict, Verdict) else None, drawn[scene.kind])
             drawn[scene.kind] += 1
             progress.advance()
     return found, prices

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import tyro
@@ -29,7 +29,7 @@ from experiments.keeping.running import exit_code
 from experiments.show.command import command
 from experiments.show.output import output_folder, write_summary
 from experiments.show.terminal import print_table, tell
-from filter import Array, Doubted, Inconsistent, InvalidInput, Judged, RobustFilter, SetMembershipFilter, Team
+from filter import Array, Doubted, Inconsistent, Judged, SetMembershipFilter, Team
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,8 @@ class Options:
     """How long after the first seconds the lie begins [s]."""
     every: float = 0.5
     """Time between two steps [s]."""
-    filter: Literal["sets", "robust"] = "sets"
-    """sets: looks for what is wrong where something is proved to disagree; robust: although one bound breaks now and then."""
     tolerating: tyro.conf.OmitArgPrefixes[Tolerating] = field(default_factory=Tolerating)
-    """What may be wrong, all the time; for sets."""
+    """What may be wrong, all the time."""
     out: Path = Path("runs/standing_team")
     """Folder for summary, figure and recording."""
 
@@ -104,14 +102,9 @@ def liar_of(said: Heard, anchors: Sequence[int]) -> tuple[int, int]:
     return (others or anchors)[0], (anchors or others)[0]
 
 
-def filter_of(options: Options, team: Team) -> SetMembershipFilter | RobustFilter:
+def filter_of(options: Options, team: Team) -> SetMembershipFilter:
     """Return the filter that the options ask for."""
-    tolerance = options.tolerating.tolerance()
-    if options.filter == "sets":
-        return SetMembershipFilter(team, policy="reject", tolerance=tolerance)
-    if tolerance is not None:
-        raise InvalidInput("--filter sets, which alone has --tolerate", "--filter robust")
-    return RobustFilter(team)
+    return SetMembershipFilter(team, policy="reject", tolerance=options.tolerating.tolerance())
 
 
 def broken(said: Heard, limits: Array, learned: float) -> tuple[int, int]:
@@ -124,7 +117,6 @@ def broken(said: Heard, limits: Array, learned: float) -> tuple[int, int]:
 def summary_of(options: Options, outcome: Outcome, outside: tuple[int, int]) -> dict[str, Value]:
     """Return the run's summary."""
     return {
-        "filter": options.filter,
         "bounds": options.bounds,
         "lie": options.lie,
         "ranges": outside[1],

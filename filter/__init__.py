@@ -4,10 +4,12 @@ Everything that a user names is here: `from filter import SetMembershipFilter, T
 notice.
 
 Read in this order, rooms with a slash: errors, arrays, workers, compiled, geometry/, records/, team, joined, motions,
-guarantee, linear/, sensing/, poses/, projection/, sets/, diagnosis/, robust/, stream, follow, lag, ekf, watch, warm_up.
+guarantee, linear/, sensing/, poses/, projection/, cameras/, sets/, diagnosis/, stream, follow, lag, ekf, watch, warm_up.
 """
 
 from filter.arrays import Array, Floats, Integers, Mask
+from filter.cameras.alignment import Alignment
+from filter.diagnosis.robust_filter import RobustFilter
 from filter.diagnosis.set_membership_filter import Policy, SetMembershipFilter
 from filter.diagnosis.tolerance import Lies, SuspectClass, Tolerance
 from filter.ekf import ExtendedKalmanFilter, GaussianBelief, NoiseModel
@@ -32,17 +34,12 @@ from filter.records.presence import Left, Placed
 from filter.records.relative import RelativeHeading
 from filter.records.seen import seen_position
 from filter.records.sensors import Sensor
-from filter.robust.belief import Disagreement, Distrusted, Late, Rejected, Restarted, RobustBelief, RobustEvent, Turned
-from filter.robust.cameras import Alignment
-from filter.robust.robust_filter import RobustFilter
-from filter.robust.trust import Suspicion
-from filter.robust.votes import Rules
 from filter.sets.belief import Belief, Event
 from filter.sets.merged import Directions
 from filter.sets.proof import Evidence, Proof
 from filter.sets.regions import Region, Regions
 from filter.sets.set_membership import PHASES
-from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
+from filter.sets.suspect import Confirmed, Doubted, Judged, Late, Passed, StartsOver, Suspect, Tolerated, Turned
 from filter.stream import Arrival, frames_of
 from filter.team import Team
 from filter.warm_up import warm_up
@@ -57,9 +54,8 @@ __all__ += ["AnyBelief", "Filter", "FixedLag", "Lagged", "Mistimed", "Step", "ch
 __all__ += ["warm_up", "watch"]
 __all__ += ["PHASES", "Budget", "Lies", "Policy", "SetMembershipFilter", "Stop", "Window"]
 __all__ += ["Alarm", "Belief", "ByCases", "Cases", "Directions", "Event", "Evidence", "Fallback", "Guarantee", "Proof"]
-__all__ += ["Region", "Regions", "Rejected", "Source"]
+__all__ += ["Region", "Regions", "Source"]
 __all__ += ["Confirmed", "Doubted", "Judged", "Passed", "StartsOver", "Suspect", "SuspectClass", "Tolerance", "Tolerated"]
-__all__ += ["Alignment", "Disagreement", "Distrusted", "Late", "Restarted", "RobustBelief", "RobustEvent", "RobustFilter"]
-__all__ += ["Rules", "Suspicion", "Turned"]
+__all__ += ["Alignment", "Late", "RobustFilter", "Turned"]
 __all__ += ["ExtendedKalmanFilter", "GaussianBelief", "NoiseModel"]
 __all__ += ["CorralError", "Inconsistent", "InvalidInput", "OutOfOrder", "OutOfRange"]

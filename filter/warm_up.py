@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from filter.compiled import MADE
+from filter.diagnosis.robust_filter import RobustFilter
 from filter.diagnosis.set_membership_filter import SetMembershipFilter
 from filter.diagnosis.tolerance import Tolerance
 from filter.errors import Inconsistent
@@ -20,7 +21,6 @@ from filter.records.frame import Frame
 from filter.records.measurements import Bearing, Compass, Measurement, Range
 from filter.records.odometry import Odometry
 from filter.records.relative import RelativeHeading
-from filter.robust.robust_filter import RobustFilter
 from filter.team import Team
 
 # A small scene: robots that drive straight on among landmarks and see everything; at last a range comes alone, and is wrong.

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.following.located import inside, there
-from filter import Belief, GaussianBelief, Guarantee, Mask, Measurement, Position, RobustBelief, Truth
+from filter import Belief, GaussianBelief, Guarantee, Mask, Measurement, Position, Truth
 
-Known = Belief | RobustBelief | GaussianBelief  # what a filter knows
+Known = Belief | GaussianBelief  # what a filter knows
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Checks:
         if self.suspended is None and belief.guarantee.lapsed.any():
             self.suspended = belief.guarantee
 
-    def check(self, belief: Belief | RobustBelief, truth: Truth) -> Escapes:
+    def check(self, belief: Belief, truth: Truth) -> Escapes:
         """Hold a belief against the truth; return who is outside."""
         here = there(belief)
         placed, turned = np.isfinite(truth.positions).all(axis=1) & here, np.isfinite(truth.headings) & here

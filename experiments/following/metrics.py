@@ -16,8 +16,6 @@ from filter import (
     Frame,
     GaussianBelief,
     Guarantee,
-    Rejected,
-    RobustBelief,
     StartsOver,
     Suspect,
     Truth,
@@ -72,10 +70,6 @@ class Metrics(Checks):
         if isinstance(belief, GaussianBelief):
             self.rejected = belief.rejected  # so far
         else:
-            self.rejected += sum(isinstance(event, Rejected) for event in belief.events)
-        if isinstance(belief, RobustBelief):
-            self._areas += [region.outer.area for region in belief.regions]
-        if isinstance(belief, Belief):
             self._add_projections(belief)
         if frame.truth is None:
             return Escapes()

@@ -82,8 +82,8 @@ class Tally:
         turned = step.belief.headings.contains(headings) | ~known
         centroids = np.array([outer.centroid for outer in outers])
         self.resets += step.resets
-        if self.suspended is None and not step.lapsed.in_force.all():
-            self.suspended = step.lapsed
+        if self.suspended is None and not step.guarantee.in_force.all():
+            self.suspended = step.guarantee
         self.put_aside += [f"{name} at {step.frame.time - self.start:.1f} s" for name in step.put_aside]
         self._rows.append(
             {

@@ -1,14 +1,14 @@
 """No compass: a robot finds out where it is and where it heads, although it mistakes a landmark for another now and then.
 
-The robust filter keeps a region for each slice of headings that is still possible. It drops what nothing else agrees with;
-its promise holds although one sighting in any window of time may be wrong unnoticed.
+The filter keeps a region for each slice of headings that is still possible. Its promise holds although, of what is seen in any
+two seconds, one sighting may be wrong; where more are, this is in doubt until it is found out.
 """
 
 import sys
 
 import numpy as np
 
-from filter import Array, Bearing, Frame, Odometry, Polygon, Range, RobustFilter, Team, follow, wrap
+from filter import Array, Bearing, Frame, Odometry, Polygon, Range, SetMembershipFilter, Team, Tolerance, follow, wrap
 
 LANDMARKS = np.array([[4.0, 0.0], [0.0, 4.0], [-4.0, 0.0], [0.0, -4.0]])
 ANGLE, SHARE = np.radians(3), 0.05  # the largest errors of a bearing [rad], and of a range its share
@@ -36,7 +36,8 @@ def world(rng: np.random.Generator) -> tuple[list[Frame], list[Array]]:
 def main(seed: int = 0) -> int:
     """Follow the robot; return 0 if it was inside its region whenever this was promised."""
     frames, places = world(np.random.default_rng(seed))
-    filter_ = RobustFilter(Team(robots=1, landmarks=LANDMARKS, arena=[[-5, -5], [5, 5]]))
+    team, tolerance = Team(1, LANDMARKS, arena=[[-5, -5], [5, 5]]), Tolerance(window=2.0, suspects="identities")
+    filter_ = SetMembershipFilter(team, policy="reject", tolerance=tolerance)
     belief = filter_.start(0.0, [Polygon.box([-5, -5], [5, 5])])
     inside = True
     for step, place in zip(follow(filter_, belief, frames), places, strict=True):

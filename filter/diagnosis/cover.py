@@ -1,16 +1,21 @@
-"""What holds whichever of several beliefs is right: hulls of regions, and arcs around headings."""
+"""What holds whichever of several beliefs is right: hulls of regions, and arcs around headings; of pairs and poses, too."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from filter.arrays import Array
+from filter.arrays import Array, Integers
 from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, wrap
-from filter.geometry.around import lines_around
+from filter.geometry.around import hulls_of, lines_around
+from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
+from filter.poses.slices import NARROW_HEADING, Slices, regrouped
 from filter.sets.belief import Belief
+
+Relative = Callable[[Belief, Integers, Integers], Polygons]  # where other robots are, seen from robots (see `relative`)
 
 
 def cover_of(beliefs: Sequence[Belief]) -> Belief:
@@ -40,3 +45,56 @@ def arcs_around(several: Sequence[AngularIntervals]) -> AngularIntervals:
         narrower = half < found[1]
         found = [np.where(narrower, each, before) for each, before in zip((middle, half), found, strict=True)]
     return AngularIntervals.of_found(*found)
+
+
+def united(beliefs: Sequence[Belief], relative: Relative, slices: int) -> Belief:
+    """Return what holds in each of some beliefs of one time, with rows on pairs, and so many slices of a robot at most."""
+    if len(beliefs) == 1:
+        return replace(beliefs[0], events=(), proofs=())
+    around = cover_of(beliefs)
+    return replace(_with_pairs(around, beliefs, relative), slices=_slices_of(around, beliefs, slices)).compact()
+
+
+def _with_pairs(around: Belief, beliefs: Sequence[Belief], relative: Relative) -> Belief:
+    """Return a cover with the hulls of what each belief says of pairs that all of them have rows on."""
+    rows, robots = around.constraints, len(around.headings)
+    keys = set.intersection(*(set(_pairs(belief, robots).tolist()) for belief in beliefs))
+    if not keys:
+        return around
+    i, j = np.divmod(np.array(sorted(keys)), robots)
+    hulls = hulls_of([relative(belief, i, j) for belief in beliefs])
+    table, numbers = around.sources.extended("pair", around.time, i, j)
+    mutual = Constraints(i[hulls.owner], j[hulls.owner], hulls.normals, hulls.offsets, numbers[hulls.owner])
+    polytope = around.polytope.with_constraints(Constraints.concatenate([rows, mutual]))
+    return replace(around, polytope=polytope, sources=table)
+
+
+def _pairs(belief: Belief, robots: int) -> Integers:
+    """Return a number for each pair that a belief has rows on."""
+    rows = belief.constraints
+    mutual = rows.i != WORLD
+    return np.unique(rows.i[mutual] * robots + rows.j[mutual])
+
+
+def _slices_of(around: Belief, beliefs: Sequence[Belief], most: int) -> Slices:
+    """Return slices around those of all beliefs, of robots whose heading is wide; a belief without them is one."""
+    wide = np.unique(np.concatenate([belief.slices.robot for belief in beliefs]))
+    wide = wide[around.headings.bound[wide] > NARROW_HEADING] if most else wide[:0]
+    return Slices.concatenate([Slices.none(), *(_of_robot(around, beliefs, robot, most) for robot in wide.tolist())])
+
+
+def _of_robot(around: Belief, beliefs: Sequence[Belief], robot: int, most: int) -> Slices:
+    parts = Slices.concatenate([part for belief in beliefs for part in _poses(belief, robot)])
+    arcs, heading = np.stack([parts.centre, parts.bound], axis=1), around.headings
+    whole = np.array([heading.centre[robot], heading.bound[robot]])
+    table = regrouped(whole, (np.arange(len(parts)), arcs, np.ascontiguousarray(parts.reach)), len(parts), most)
+    return Slices.of_table(np.full(len(table), robot), table)
+
+
+def _poses(belief: Belief, robot: int) -> Iterator[Slices]:
+    """Yield the slices of a robot, or one around all that is known of its pose."""
+    mine = belief.slices.of(robot)
+    if len(mine):
+        yield mine
+        return
+    yield Slices.around(robot, belief.regions.outer[robot], belief.headings)

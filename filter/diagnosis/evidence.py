@@ -29,10 +29,12 @@ def counted(used: Used, records: Records, tests: Records) -> Used:
 def put_to_test(records: Records, known: Belief) -> Records:
     """Return those readings that what is known already could contradict if they were grossly wrong.
 
-    Whoever measures knows its pose, and of a mate that it measures the place is known, to within `PLACE` and `HEADING`.
+    Whoever measures knows its pose, and of a mate that it measures the place is known, to within `PLACE` and `HEADING`; or it
+    has a camera that an estimate vouches for, which would tell, too.
     """
     placed = np.max(known.polytope.upper - known.polytope.lower, axis=1) <= PLACE
     knows = placed & (known.headings.bound <= HEADING)
+    knows = knows if known.cameras is None else knows | known.cameras.vouched
     left = (some(each, knows[each.robot] & _placed(targets_of(each), placed)) for each in records)
     return tuple(record for record in left if record is not None)
 

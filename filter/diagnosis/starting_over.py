@@ -1,6 +1,6 @@
 """Where more than one thing is wrong: robots start over from anywhere, and are not relied on until all has agreed for long."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -63,6 +63,21 @@ def _without_pasts(strict: Strict, belief: Belief, robots: set[int]) -> Belief:
     if belief.moved is None:
         return strict.elsewhere(belief.alone, robots)
     return strict.wander(belief.moved.before, belief.time, belief.moved.odometry, robots)
+
+
+def suspended(strict: Strict, belief: Belief, robots: Mapping[int, float], because: str) -> Belief:
+    """Return a belief in which robots start over, each with its guarantee suspended since a time [s], for other reasons.
+
+    That is outside a doubt, and what came before is not tried again, as these robots were believed in it.
+    """
+    before = belief.diagnosis or Diagnosis()
+    aside = tuple(replace(trial, belief=None) for trial in before.aside)
+    now = replace(before, recent=(), aside=aside, suspended=_starting(strict, belief.time, before, set(robots)))
+    found = strict.elsewhere(belief.alone, robots)
+    guarantee = found.guarantee
+    for robot, since in robots.items():
+        guarantee = guarantee.suspended(since, because, {robot})
+    return replace(found, guarantee=guarantee, diagnosis=now)
 
 
 def new_trial(strict: Strict, suspect: Suspect, time: float) -> Trial:

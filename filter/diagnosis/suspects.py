@@ -36,7 +36,7 @@ def _behind(source: Source) -> set[Who]:
         return {("compass", robot, NOBODY)}
     if source.kind == "position":
         return {("sensor", robot, NOBODY)}
-    if source.kind in ("bearing", "range", "relative heading", "sighting"):
+    if source.kind in ("bearing", "range", "relative heading"):
         return {("sensor", robot, NOBODY), ("body", NOBODY, target), ("sighting", robot, target)}
     pasts = {("past", body, NOBODY) for body in (robot, target) if body != NOBODY}
     return set() if source.kind == "arena" else pasts

@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from filter.arrays import Array, Integers
-from filter.diagnosis.cover import cover_of
-from filter.diagnosis.united import united
+from filter.diagnosis.cover import cover_of, united
 from filter.diagnosis.voting import VotingFilter
 from filter.errors import Inconsistent, InvalidInput
 from filter.geometry.angles import AngularIntervals

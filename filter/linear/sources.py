@@ -12,8 +12,8 @@ from filter.records.record import AT_THE_CENTRE
 from filter.team import Team
 
 Kind = Literal[
-    "initial set", "compass", "bearing", "range", "position", "relative heading", "sighting", "odometry", "heading", "region",
-    "cells", "pair", "speed limit", "turn limit", "arena",
+    "initial set", "compass", "bearing", "range", "position", "relative heading", "odometry", "heading", "region", "cells",
+    "pair", "speed limit", "turn limit", "arena",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 NOBODY = -1  # the target of what has none
@@ -24,10 +24,10 @@ class Source:
     """What produced a constraint.
 
     Attributes:
-        kind: A measurement ("compass", "bearing", "range", "position", "relative heading", or "sighting" for a bearing with its
-            range), a motion ("odometry", or the "speed limit" or "turn limit" of a robot without), the "arena" that no robot
-            leaves, or what was known before: an "initial set", a "heading", a "region", an earlier outer polygon, or rows on a
-            "pair"; or "cells", all readings of one time that concern a robot, with what was known of its pose.
+        kind: A measurement ("compass", "bearing", "range", "position", "relative heading"), a motion ("odometry", or the "speed
+            limit" or "turn limit" of a robot without), the "arena" that no robot leaves, or what was known before: an "initial
+            set", a "heading", a "region", an earlier outer polygon, or rows on a "pair"; or "cells", all readings of one time
+            that concern a robot, with what was known of its pose.
         time: When [s].
         robot: Who measured, or of whom it is said.
         target: What was measured, the other robot of a pair, or None.

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from filter.arrays import Array, whole_number
+from filter.cameras.offsets import Offsets
 from filter.geometry.angles import AngularIntervals
 from filter.guarantee import Guarantee
 from filter.linear.constraints import WORLD, Constraints
@@ -21,9 +22,9 @@ from filter.records.frame import Frame
 from filter.records.odometry import Odometry
 from filter.sets.proof import Bounded, Evidence, Proof, causes_of
 from filter.sets.regions import Regions
-from filter.sets.suspect import Confirmed, Doubted, Judged, Passed, StartsOver, Suspect, Tolerated
+from filter.sets.suspect import Confirmed, Doubted, Judged, Late, Passed, StartsOver, Suspect, Tolerated, Turned
 
-Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Fallback
+Event = Doubted | Judged | Passed | StartsOver | Confirmed | Tolerated | Turned | Late | Fallback
 Used = Mapping[tuple[str, int, int], int]  # at how many instants what each says was merged, tests counting for several
 
 
@@ -60,6 +61,7 @@ class Belief:
             start, and after a window's end. What is known of pairs, poses and inner polygons is in these beliefs.
         votes: Which votes on poses there were, of a filter that holds the truth although one of them is wrong; else None.
         diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
+        cameras: What motion says of the robots' cameras, by estimate, of a filter that asks; nothing of it is in a region.
     """
 
     time: float
@@ -75,6 +77,7 @@ class Belief:
     alternatives: Alternatives | None = None
     votes: Ballots | None = None
     diagnosis: Diagnosis | None = None
+    cameras: Offsets | None = None
 
     @property
     def aside(self) -> tuple[Suspect, ...]:
@@ -84,8 +87,7 @@ class Belief:
     @property
     def suspects(self) -> tuple[Suspect, ...]:
         """Who can be wrong, in the time of a doubt, or where it is proved that somebody is who is tolerated; else nobody."""
-        tolerated = self.alternatives.suspects if self.alternatives else ()
-        return (self.diagnosis.suspects if self.diagnosis else ()) or tolerated
+        return (self.diagnosis.suspects if self.diagnosis else ()) or (self.alternatives.suspects if self.alternatives else ())
 
     @property
     def agrees(self) -> bool:
@@ -109,8 +111,7 @@ class Belief:
         """Return the same with a table that holds only the sources that rows, edges and boxes name."""
         rows, origin = self.polytope.constraints, self.polytope.origin
         cause = self.found.cause if self.found else origin
-        used = np.zeros(len(self.sources), dtype=bool)
-        used[np.concatenate([rows.source, origin, cause])] = True
+        used = np.bincount(np.concatenate([rows.source, origin, cause]), minlength=len(self.sources)) > 0
         now = np.cumsum(used) - 1
         polytope = replace(self.polytope, constraints=rows.with_sources(now[rows.source]), origin=now[origin])
         found = replace(self.found, cause=now[cause]) if self.found else None
@@ -131,8 +132,7 @@ class Belief:
         place = whole_number("edge", edge, 0, len(region.causes) - 1)
         proofs = tuple(proof for proof in self.proofs if isinstance(proof, Proof))
         last = {self.sources[int(number)] for number in region.causes[place]}
-        found = causes_of(proofs, self.time, (WORLD, robot, region.outer.normals[place]), last)
-        return tuple(sorted(found, key=in_order))
+        return tuple(sorted(causes_of(proofs, self.time, (WORLD, robot, region.outer.normals[place]), last), key=in_order))
 
 
 @dataclass(frozen=True, eq=False)

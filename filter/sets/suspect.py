@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Self, cast
 
+import numpy as np
+
 from filter.linear.sources import NOBODY, Source
 from filter.records.names import InWords
 
@@ -140,7 +142,7 @@ class Passed(InWords):
 
 @dataclass(frozen=True)
 class StartsOver(InWords):
-    """More than one thing is wrong: robots start over from anywhere in the arena, with their guarantee suspended.
+    """More than one thing is wrong, or a camera was: robots start over from anywhere in the arena, their guarantee suspended.
 
     Attributes:
         time: When [s].
@@ -176,3 +178,64 @@ class Confirmed(InWords):
 
     def _in_words(self, words: Callable[[Any], str]) -> str:
         return f"{words(self.robot)} is where it is said to be: guarantee in force again"
+
+
+@dataclass(frozen=True)
+class Turned(InWords):
+    """A camera is suspected to be turned, as its robot drives in another direction than it shows; or it is trusted again.
+
+    **This is statistical evidence, no proof**: sets do not exclude it. As long as it lasts, the camera's bearings are not
+    merged, ranges are. The robot starts over at first (`StartsOver`): what it believed since then can be wrong.
+
+    Attributes:
+        time: When [s].
+        robot: Whose camera.
+        aside: True when it is suspected, False when it is trusted again.
+        offset: How far it is turned, by estimate; positive where bearings are too large [rad].
+        deviation: Of the estimate [rad].
+        since: The camera can be turned since then [s]; until a while before, it looked good.
+    """
+
+    time: float
+    robot: int
+    aside: bool
+    offset: float
+    deviation: float
+    since: float
+
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        robot = words(self.robot)
+        by = f"by {np.degrees(self.offset):+.0f} +- {np.degrees(self.deviation):.0f} degrees"
+        told = f"as {robot} drives, its bearings are off {by} (evidence, no proof)"
+        if not self.aside:
+            return f"camera of {robot} trusted again at {self.time:.3f} s: {told}"
+        return f"camera of {robot} suspected to be turned since {self.since:.0f} s: {told}; no bearing of it is merged"
+
+
+@dataclass(frozen=True)
+class Late(InWords):
+    """A camera's clock is suspected to be wrong against that of its robot's commands; or it is trusted again.
+
+    **This is statistical evidence, no proof.** As long as it lasts, no bearing and no range of the robot is merged. The robot
+    starts over at first (`StartsOver`).
+
+    Attributes:
+        time: When [s]; robot, aside and since are as of a camera that is `Turned`.
+        delay: How much later than commands its pictures are stamped, besides what is declared, by estimate [s].
+        deviation: Of the estimate [s].
+    """
+
+    time: float
+    robot: int
+    aside: bool
+    delay: float
+    deviation: float
+    since: float
+
+    def _in_words(self, words: Callable[[Any], str]) -> str:
+        robot = words(self.robot)
+        by = f"{abs(self.delay):.2f} +- {self.deviation:.2f} s too {'late' if self.delay > 0 else 'early'}"
+        told = f"as {robot} turns, its pictures are stamped {by} (evidence, no proof)"
+        if not self.aside:
+            return f"camera of {robot} trusted again at {self.time:.3f} s: {told}"
+        return f"camera of {robot} suspected to be late since {self.since:.0f} s: {told}; nothing of it is merged"

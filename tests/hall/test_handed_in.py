@@ -24,11 +24,10 @@ from filter import (
     Polygon,
     Range,
     RobustFilter,
-    Rules,
     SetMembershipFilter,
     Stop,
-    Suspicion,
     Team,
+    Tolerance,
     Truth,
     Window,
     watch,
@@ -73,19 +72,18 @@ def test_every_option_that_is_a_number_becomes_a_float(half):
         stop.area_gap,
         FixedLag(FILTERS[0], len, half).lag,
     ]
-    kept += [Rules(1, half).window, Suspicion(share=half).share, Alignment(half).share, NoiseModel(half).compass]
+    kept += [Tolerance(1, half).window, Alignment(half).share, NoiseModel(half).compass]
     kept += [SetMembershipFilter(TEAM, tangent_spacing=half).tangent_spacing, ExtendedKalmanFilter(TEAM, gate=half).gate]
-    assert kept == [0.5] * 11
+    assert kept == [0.5] * 10
     assert {type(value) for value in kept} == {float}
 
 
 @pytest.mark.parametrize("one", ONES, ids=repr)
 def test_every_option_that_is_a_count_becomes_an_int(one):
-    robust = RobustFilter(TEAM, cells=8 * one)
     sets = SetMembershipFilter(TEAM, rows_per_robot=4 * one, rows_per_pair=4 * one, pairs=one, threads=one)
-    kept = [Team(one).robots, robust.cells // 8, Rules(one).tolerated, Rules(quorum=one).quorum, Window(one).hops]
+    kept = [Team(one).robots, Tolerance(one).q, Window(one).hops]
     kept += [sets.rows_per_robot // 4, sets.rows_per_pair // 4, sets.pairs, sets.threads, Stop(searches=4 * one).searches // 4]
-    assert kept == [1] * 10
+    assert kept == [1] * 8
     assert {type(value) for value in kept} == {int}
 
 
@@ -151,10 +149,6 @@ def test_what_comes_from_a_generator_is_as_good_as_a_list(own):
 
 @pytest.mark.parametrize("own", FILTERS, ids=lambda own: type(own).__name__)
 def test_a_belief_about_other_bodies_is_refused(own):
-    others = type(own)(Team(2, [[3.0, 0.0]])).start(0, [BOX, BOX])
-    if isinstance(own, RobustFilter):  # it keeps books on landmarks
-        with pytest.raises(InvalidInput, match="a team of 4 robots and landmarks; came one of 3"):
-            own.predict(others, 1.0)
     with pytest.raises(InvalidInput, match=r"a belief about 2 robots, .*; came one about 3"):
         own.update(type(own)(Team(3)).start(0, [BOX] * 3), [])
 

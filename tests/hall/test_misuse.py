@@ -22,10 +22,8 @@ from filter import (
     Polygon,
     Range,
     RobustFilter,
-    Rules,
     SetMembershipFilter,
     Stop,
-    Suspicion,
     Team,
     Truth,
     Window,
@@ -40,7 +38,7 @@ BOX = Polygon.box([-1, -1], [1, 1])
 ARCS = AngularIntervals([0.0, 1.0], [0.1, 0.1])
 FILTERS = [SetMembershipFilter(TEAM), RobustFilter(TEAM), ExtendedKalmanFilter(TEAM)]
 BELIEFS = [filter_.start(0.0, [BOX, BOX], ARCS) for filter_ in FILTERS]
-(SETS, ROBUST, KALMAN), (BELIEF, ROBUST_BELIEF, GAUSSIAN) = FILTERS, BELIEFS
+(SETS, ROBUST, KALMAN), (BELIEF, _, GAUSSIAN) = FILTERS, BELIEFS
 LAG = FixedLag(SETS, lambda start, end: None)
 LAGGED = LAG.begin(BELIEF)
 COMPASS = Compass(0, 0, 0, 0.1)
@@ -162,11 +160,8 @@ CALLS = {
     "sets: threads": (lambda x: SetMembershipFilter(TEAM, threads=x), but(COUNT, "None", none=0)),
     "sets: on_phase": (lambda x: SetMembershipFilter(TEAM, on_phase=x), NOT_OURS),
     "light: team": (SetMembershipFilter.light, NO_TEAM),
-    "robust: team": (RobustFilter, but(NO_TEAM, far=Team(1, [[2e6, 0]]))),
-    "robust: rules": (lambda x: RobustFilter(TEAM, rules=x), but(NOT_OURS, kind=Rules)),
-    "robust: suspicion": (lambda x: RobustFilter(TEAM, suspicion=x), but(NOT_OURS, kind=Suspicion, rules=Rules())),
+    "robust: team": (RobustFilter, NO_TEAM),
     "robust: alignment": (lambda x: RobustFilter(TEAM, alignment=x), but(NOT_OURS, kind=Alignment)),
-    "robust: cells": (lambda x: RobustFilter(TEAM, cells=x), but(COUNT, few=7, many=10_001)),
     "Kalman: team": (ExtendedKalmanFilter, NO_TEAM),
     "Kalman: noise": (lambda x: ExtendedKalmanFilter(TEAM, x), but(NOT_OURS, kind=NoiseModel)),
     "Kalman: gate": (lambda x: ExtendedKalmanFilter(TEAM, gate=x), but(ABOVE_0, "None", one=1.0)),
@@ -182,9 +177,6 @@ CALLS = {
     "a clock's time": (lambda x: Budget(1.0, lambda: x).begin(), NO_NUMBER),
     "Window: hops": (Window, but(COUNT, none=0)),
     "Window: robots": (lambda x: Window(1, x), but(COUNT, one=1)),
-    "Rules: tolerated": (Rules, but(COUNT, two=2)),
-    "Rules: quorum": (lambda x: Rules(quorum=x), but(COUNT, none=0)),
-    "Suspicion: share": (lambda x: Suspicion(share=x), but(ABOVE_0, all=1.0)),
     "Alignment: share": (Alignment, but(ABOVE_0, above=1.1)),
     "lag: inner": (lambda x: FixedLag(x, len), NO_FILTER),
     "lag: motion": (lambda x: FixedLag(SETS, x), OPTION),
@@ -199,7 +191,7 @@ CALLS = {
     "follow: belief": (lambda x: follow(SETS, x, []), NOT_OURS),
     "follow: frames": (lambda x: list(follow(SETS, BELIEF, x)), NO_FRAMES),
     "follow: clock": (lambda x: follow(SETS, BELIEF, [], x), OPTION),
-    "watch: belief": (lambda x: watch(x, np.zeros((2, 2))), but(NO_BELIEF, robust=ROBUST_BELIEF, kalman=GAUSSIAN)),
+    "watch: belief": (lambda x: watch(x, np.zeros((2, 2))), but(NO_BELIEF, kalman=GAUSSIAN)),
     "watch: positions": (lambda x: watch(BELIEF, x), but(NO_PLACES, infinite=[[0, 0], [0, np.inf]])),
     "watch: covariances": (lambda x: watch(BELIEF, np.zeros((2, 2)), x), but(COVARIANCE, "None")),
     "watch: probability": (lambda x: watch(BELIEF, np.zeros((2, 2)), None, x), but(SPREAD, one=1.0)),

@@ -59,7 +59,7 @@ def _is_module(value):
 def test_what_a_user_names_is_at_the_door():
     filters = {"SetMembershipFilter", "RobustFilter", "ExtendedKalmanFilter", "FixedLag", "Filter", "follow", "Step", "watch"}
     given = {"Team", "Frame", "Truth", "Polygon", "AngularIntervals", "Compass", "Bearing", "Range", "Odometry", "NoiseModel"}
-    told = {"Belief", "RobustBelief", "GaussianBelief", "Region", "Source", "Rejected", "Alarm", "CorralError"}
+    told = {"Belief", "GaussianBelief", "Region", "Source", "Turned", "Alarm", "CorralError"}
     assert filters | given | told <= set(door.__all__)
 
 

@@ -15,7 +15,7 @@ from experiments.beacons.summary import KINDS
 from experiments.following.checks import Checks
 from experiments.range_only import exit_code, main
 from experiments.show.command import BAD_INPUT, SUSPENDED
-from filter import Guarantee, Range, RobustFilter, SetMembershipFilter
+from filter import Guarantee, Range, SetMembershipFilter
 
 TINY = ["--draws", "1", "--runs", "1", "--steps", "12"]
 
@@ -110,18 +110,9 @@ def test_the_filter_is_never_smaller_than_the_exact_hull(seed, anchors):
     assert outcome.last[0].contains(scene.frames[0].truth.positions[0])
 
 
-def test_no_tolerant_filter_is_smaller_than_what_one_lie_leaves():
-    """The robust filter tolerates one vote, so wherever one may lie its region has to be as large as the exact one."""
-    scene = alone(np.random.default_rng(8), 5, 0.1)
-    outcome = followed(RobustFilter(scene.team), scene)
-    verdict = judged(outcome)
-    assert outcome.last[0].contains(verdict.tolerant["any"].inside).all()
-
-
-def test_teams_are_followed_by_both_filters_with_the_truth_inside():
+def test_teams_are_followed_with_the_truth_inside():
     for scene in (team_that_stands(np.random.default_rng(2), 0.1), DRIVES[0].drawn([2], 12, 0.1)):
-        for filter_ in (SetMembershipFilter(scene.team), RobustFilter(scene.team)):
-            outcome = followed(filter_, scene)
-            assert outcome.checks.checks == outcome.areas.size == outcome.arcs.size
-            assert not outcome.checks.escapes + outcome.checks.heading_escapes
-            assert isinstance(scene.frames[0].measurements[0], Range)
+        outcome = followed(SetMembershipFilter(scene.team), scene)
+        assert outcome.checks.checks == outcome.areas.size == outcome.arcs.size
+        assert not outcome.checks.escapes + outcome.checks.heading_escapes
+        assert isinstance(scene.frames[0].measurements[0], Range)

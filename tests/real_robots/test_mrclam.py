@@ -12,16 +12,15 @@ from experiments.following.steps import steps
 from experiments.logs import read_trajectory
 from experiments.mrclam import Changes, main, numbers_of
 from experiments.real_robots.bounds import Bounds
-from experiments.real_robots.carried import Carried
 from experiments.real_robots.data import read_run
 from experiments.real_robots.faults import FAULTS
 from experiments.real_robots.figures import stretches
-from experiments.real_robots.followed import Followed, team_filter, voting
+from experiments.real_robots.followed import Followed, team_filter
 from experiments.real_robots.frames import Start, frames
 from experiments.real_robots.kalman import kalman_filter
 from experiments.real_robots.metrics import Escaped, Table, Tally, longest, measured_by, summary_of
 from experiments.real_robots.motion import Motions
-from filter import Guarantee, InvalidInput, Polygon, Restarted, RobustFilter, Team
+from filter import Guarantee, InvalidInput, Polygon, Team
 
 KEYS = {
     "checks",
@@ -100,7 +99,7 @@ def shrunk(scenario, motions, suspended):
     for step in team_filter(scenario, motions):
         square = Polygon.box([90, 90], [91, 91])
         regions = tuple(replace(region, outer=square) for region in step.belief.regions)
-        yield replace(step, belief=replace(step.belief, regions=regions), guarantee=told, lapsed=told)
+        yield replace(step, belief=replace(step.belief, regions=regions), guarantee=told)
 
 
 @pytest.mark.parametrize(("suspended", "code"), [(False, 1), (True, 4)])
@@ -238,25 +237,12 @@ def test_a_tally_counts_what_each_robot_measured(folder, scenario_frames):
     assert (found.area > 0).all()
 
 
-def test_what_happens_while_robots_move_is_told_with_what_is_measured_then(folder):
-    class Leaving(RobustFilter):
-        def predict(self, belief, time, odometry=None):
-            return replace(super().predict(belief, time, odometry), events=(Restarted(time, 1, time, "it left"),))
-
-    scenario, motions = frames(read_run(folder), (1, 2)), Motions(read_run(folder), (1, 2), Bounds())
-    step = next(voting(scenario, Carried(motions), Leaving(scenario.team)))
-    assert step.resets == 1
-    assert step.guarantee.in_force.all()
-    assert str(step.lapsed) == f"suspended for robot 1 since {step.frame.time:.3f} s, as it left"
-    assert [word for word in step.events if word.endswith("it left")]
-
-
 def test_what_lasts_is_told_once_and_its_end_too():
     changes, nobody = Changes(Team(2)), np.zeros(2, dtype=bool)
 
     def told(outside, suspended, events=()):
         told = Guarantee(np.where(suspended, 1.0, np.inf), tuple("votes" if each else "" for each in suspended))
-        step = Followed(None, None, told, told, nobody, (), 0, (), events, 0.0)
+        step = Followed(None, None, told, nobody, (), 0, (), events, 0.0)
         return changes.words(step, Escaped(np.array(outside), nobody, np.array(suspended)))
 
     assert told([False, False], [False, False]) == []

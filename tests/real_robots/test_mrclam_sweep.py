@@ -34,11 +34,10 @@ def test_a_good_run_lets_nobody_escape_and_names_nobody(folder):
     assert (found.named, found.missed, found.wrong) == ("", 0, "")
 
 
-def test_swapped_barcodes_name_both_identities_and_harm_nobody(folder):
+def test_swapped_barcodes_let_nobody_escape_who_is_promised_to_be_inside(folder):
     found = judged(Options(folder), "swapped", 2)
-    assert (found.others, found.positions, found.headings, found.missed, found.wrong) == (0, 0, 0, 0, "")
-    assert found.named.startswith("identity of r1 ")
-    assert "identity of r2 " in found.named
+    assert found.others_in_force == 0
+    assert found.missed == (not found.named)
 
 
 def test_the_table_has_a_line_a_run_and_the_code_is_that_of_the_others(folder, tmp_path, monkeypatch, capsys):

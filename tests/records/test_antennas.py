@@ -17,7 +17,6 @@ from filter import (
     NoiseModel,
     Polygon,
     Position,
-    RobustFilter,
     Sensor,
     SetMembershipFilter,
     Team,
@@ -137,7 +136,5 @@ def test_a_kalman_filter_expects_the_antenna_where_it_is_mounted(sensor):
 def test_what_is_no_antenna_is_refused():
     with pytest.raises(InvalidInput, match="a sensor among the team's, 0 to 2, or -1 for the centre; came 3"):
         updated([Position.fix(0.0, 0, ARM, 0.1, 3)], ([0.0, 0.0], [0.1, 0.1]))
-    with pytest.raises(InvalidInput, match="the robust filter knows no mountings; came sensor 0"):
-        updated([Position.fix(0.0, 0, ARM, 0.1, 0)], ([0.0, 0.0], [0.1, 0.1]), RobustFilter(TEAM))
     with pytest.raises(InvalidInput, match="whole numbers"):
         Position.disc(0.0, 0, ARM, 0.1, sensor=0.5)

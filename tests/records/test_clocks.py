@@ -23,7 +23,6 @@ from filter import (
     Polygon,
     Position,
     Range,
-    RobustFilter,
     Sensor,
     SetMembershipFilter,
     Team,
@@ -192,9 +191,6 @@ def test_what_is_no_bound_of_a_clock_is_refused():
         Sensor("camera", time_bound=-0.1)
     with pytest.raises(InvalidInput, match="in which robots get no farther than 1e\\+100 m"):
         Team(1, speed_limit=1e60, sensors=[Sensor("camera", time_bound=1e60)])
-    robust = RobustFilter(Team(1, sensors=[Sensor("camera", time_bound=0.1)]))
-    with pytest.raises(InvalidInput, match="the robust filter knows no mountings"):
-        robust.update(robust.start(0.0, [Polygon.box([0, 0], [1, 1])]), [Compass(0.0, 0, 0.0, 0.1, 0)])
 
 
 def test_the_ways_of_clocked_sensors_hold_whatever_the_robots_do():

@@ -17,7 +17,6 @@ from filter import (
     Polygon,
     Position,
     Range,
-    RobustFilter,
     SetMembershipFilter,
     Source,
     Team,
@@ -108,11 +107,6 @@ def test_a_kalman_filter_takes_the_middle_of_a_fix_and_nothing_of_a_half_plane()
     assert after.mean[0, :2] == pytest.approx([1, -1], abs=0.05)
     assert np.diag(after.position_covariances[0]) == pytest.approx([0.01, 0.04], rel=0.05)
     assert (updated([Position.half_plane(0.0, 0, [1, 0], 0.0)], kalman).mean == begin.mean).all()
-
-
-def test_the_robust_filter_says_that_it_takes_none():
-    with pytest.raises(InvalidInput, match="what the robust filter can take: compass, bearing, range; came position"):
-        updated([Position.fix(0.0, 0, [1, -1], 0.2)], RobustFilter(TEAM))
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from filter import (
     Odometry,
     Polygon,
     RelativeHeading,
-    RobustFilter,
     Sensor,
     SetMembershipFilter,
     Team,
@@ -148,6 +147,3 @@ def test_what_is_refused():
         RelativeHeading(0.0, 0, 0, 1.0, 0.1)
     with pytest.raises(InvalidInput, match="a target among robots 0 to 1"):
         team.check(RelativeHeading(0.0, 0, 2, 1.0, 0.1))
-    filter_ = RobustFilter(team)
-    with pytest.raises(InvalidInput, match=r"what the robust filter can take.*relative heading"):
-        filter_.update(started(team, filter_), [RelativeHeading(0.0, 0, 1, 1.0, 0.1)])

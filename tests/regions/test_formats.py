@@ -97,11 +97,6 @@ def test_a_parquet_table_has_the_same_rows_as_the_json_lines(tmp_path, request, 
     assert parquet.ParquetFile(tmp_path / "regions.parquet").num_row_groups == 3
 
 
-def test_a_robust_filter_has_regions_without_an_inside(tmp_path, robust):
-    for line, region in zip(lines_of(written(tmp_path, "jsonl", robust[:1])), robust[0].belief.regions, strict=True):
-        assert (line["outer"], line["inner"]) == (region.outer.vertices.tolist(), None)
-
-
 def test_a_kalman_filter_has_an_estimate_and_no_region(tmp_path, kalman):
     belief = kalman[-1].belief
     for robot, line in enumerate(lines_of(written(tmp_path, "jsonl", kalman[-1:]))):

@@ -17,7 +17,6 @@ from filter import (
     InvalidInput,
     Polygon,
     Range,
-    RobustFilter,
     Sensor,
     SetMembershipFilter,
     Source,
@@ -216,6 +215,3 @@ def test_what_is_no_sensor_is_refused():
         Sensor("camera", [1.0])
     with pytest.raises(InvalidInput, match="as camera; came 'camra'"):
         team.sensor_number("camra")
-    robust = RobustFilter(team)
-    with pytest.raises(InvalidInput, match="the robust filter knows no mountings"):
-        robust.update(robust.start(0.0, [Polygon.box([0, 0], [1, 1])] * 2), [Compass(0.0, 0, 0.0, 0.1, 0)])

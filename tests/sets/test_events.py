@@ -2,9 +2,7 @@
 
 import pytest
 
-from filter.linear.sources import Source
 from filter.projection.fallback import Fallback
-from filter.robust.belief import Rejected
 
 WALK = ("walk",)
 
@@ -20,9 +18,3 @@ WALK = ("walk",)
 )
 def test_a_fallback_says_what_failed_and_who_took_over(event, words):
     assert str(event) == words
-
-
-def test_a_rejection_says_what_was_dropped_and_why():
-    one, other = Source("range", 1.0, 0, 1), Source("compass", 1.0, 2)
-    assert str(Rejected(one, (other, one))) == f"rejected {one}; in conflict: {other}; {one}"
-    assert str(one) == "range of robot 0 to 1 at 1.000 s"

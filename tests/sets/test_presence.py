@@ -22,7 +22,6 @@ from filter import (
     Placed,
     Polygon,
     Range,
-    RobustFilter,
     SetMembershipFilter,
     Team,
     Truth,
@@ -152,9 +151,12 @@ def test_a_kalman_filter_starts_anew_with_it():
 
 
 def test_a_filter_that_cannot_says_so():
-    filter_ = RobustFilter(team_of_two(arena=[[-9, -9], [9, 9]]))
+    class Fixed(ExtendedKalmanFilter):
+        changed = None
+
+    filter_ = Fixed(team_of_two(arena=[[-9, -9], [9, 9]]))
     frames = [Frame(0.0, changes=[Left(0.0, 1)])]
-    with pytest.raises(InvalidInput, match=r"that robots can join and leave.*; came RobustFilter"):
+    with pytest.raises(InvalidInput, match=r"that robots can join and leave.*; came Fixed"):
         list(follow(filter_, filter_.start(0.0, [BOX, BOX]), frames))
 
 
@@ -217,7 +219,7 @@ def test_a_log_in_which_a_robot_joins_leaves_and_comes_back(tmp_path):
     summary = json.loads((tmp_path / "sets" / "summary.json").read_text())
     assert (summary["checks"], summary["escapes"], summary["heading_escapes"]) == (1, 0, 0)
     assert main([str(path), "--out", str(tmp_path / "more"), "--recording", "--against", "ekf"]) == 0
-    assert main([str(path), "--out", str(tmp_path / "no"), "--filter", "robust"]) == 2
+    assert main([str(path), "--out", str(tmp_path / "evidence"), "--filter", "robust"]) == 0
     log = LogReader(path)
     with LogWriter(tmp_path / "again.jsonl", log.header, log.initial) as again:
         for frame in log.frames():

@@ -8,17 +8,17 @@ the declared bounds. **It is evidence, no proof, and nothing of it enters a regi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from filter.arrays import Array, Frozen, Mask, positive, settle
+from filter.arrays import Array, Frozen, Mask
+from filter.cameras.alignment import Alignment
+from filter.cameras.sightings import Sightings
 from filter.compiled import compiled
-from filter.geometry.angles import wrap
-from filter.poses.slices import QUARTER
-from filter.robust.hypotheses import Hypotheses
-from filter.robust.slices import Sighting
+from filter.geometry.angles import AngularIntervals, wrap
+from filter.records.odometry import Odometry
+from filter.team import Team
 
 UNKNOWN = 0.8  # with a heading that is known no better than this, nothing is estimated [rad]
 FAR_OUT = 2.0  # with a position neither [m]
@@ -27,45 +27,6 @@ LATELY = 0.25  # over such a time the turn rate is averaged that a late camera s
 RECENT = 0.05  # the last sighting's part in the share of those that an estimate does not explain, ...
 WRONG = 0.7  # ... which shows that it is wrong
 SINGULAR = 1e-12  # a covariance of a sighting whose determinant is no more than so large a share of the variances' product
-
-
-@dataclass(frozen=True)
-class Alignment:
-    """When a camera is suspected to be turned, or late. Raises InvalidInput if a value is out of its range.
-
-    Attributes:
-        share: The offset of a good camera is at most this share of a bearing's bound, as other errors come on top; in (0, 1].
-        deviations: One whose estimate is beyond that by so many of its deviations is suspected, ...
-        patience: ... after it has been for so long [s].
-        tolerated_delay: So much later than commands, or earlier, a good camera's pictures may be stamped than is declared [s].
-        bearing: Deviation of a bearing over its bound.
-        range: Deviation of a range over its bound; errors repeat themselves, so it is large.
-        lasting: Errors of motion are as large as their bounds, and last so long [s].
-        gate: A sighting farther off than so many deviations has the less weight.
-        prior: Deviation of an offset of which nothing is known [rad].
-        wander: How much an offset may change in a second, by its deviation [rad].
-        clock: Deviation of a camera's delay of which nothing is known [s].
-        drift: How much a delay may change in a second, by its deviation [s].
-        hidden: So long after it is turned or late a camera can still look good [s].
-    """
-
-    share: float = 0.6
-    deviations: float = 2.0
-    patience: float = 5.0
-    tolerated_delay: float = 0.2
-    bearing: float = 0.4
-    range: float = 1.5
-    lasting: float = 1.0
-    gate: float = 3.0
-    prior: float = 0.17
-    wander: float = 0.0067
-    clock: float = 0.2
-    drift: float = 0.003
-    hidden: float = 60.0
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            settle(self, **{name: positive(name, value, 1 if name == "share" else np.inf)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +43,9 @@ class Offsets(Frozen):
         allowed: (n,) the bound of the robot's last bearing [rad].
         good_until: (n, 2) until when the camera looked good [s], less the time for which it can hide that it is turned or late.
         bad_since: (n, 2) since when the estimate is that of a turned or late camera [s]; infinite where it is not.
-        suspected: (n, 2) cameras that are suspected to be turned: their bearings are not to tell a heading; or late: they are
-            not to be believed at all.
+        suspected: (n, 2) cameras that are suspected to be turned, of which no angle is merged; or late, of which nothing is.
+        vouched: (n,) cameras whose offset is known, and is none of a turned camera.
+        on_trial: (n,) suspected cameras without an estimate, which are heard all the same, with no guarantee, to get one.
     """
 
     mean: Array
@@ -96,13 +58,15 @@ class Offsets(Frozen):
     good_until: Array
     bad_since: Array
     suspected: Mask
+    vouched: Mask
+    on_trial: Mask
 
     @classmethod
     def none(cls, robots: int, time: float) -> Offsets:
         """Return that nothing is known, at a time [s]."""
         nobody, never, zeros = np.zeros((robots, 2), dtype=bool), np.full((robots, 2), np.inf), np.zeros((robots, 5, 5))
         estimate = zeros[:, 0], zeros, zeros[:, 0, 0], nobody[:, 0], zeros[:, 0, 0], zeros[:, 0, :2]
-        return cls(*estimate, never[:, 0], np.full((robots, 2), time), never, nobody)
+        return cls(*estimate, never[:, 0], np.full((robots, 2), time), never, nobody, nobody[:, 0], nobody[:, 0])
 
     @property
     def turned(self) -> Mask:
@@ -115,26 +79,18 @@ class Offsets(Frozen):
         return self.suspected[:, 1]
 
     @property
-    def on_trial(self) -> Mask:
-        """(n,) late cameras without an estimate: they are listened to, with no guarantee, until there is one again."""
-        return self.late & ~self.running
-
-    @property
     def deviations(self) -> Array:
         """(n, 2) deviations of offset [rad] and delay [s]."""
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2)[:, 3:])
 
-    def moved(self, distance: Array, turn: Array, aside: Array, duration: float, rules: Alignment) -> Offsets:
-        """Return the estimates after moves.
-
-        They are least and greatest path and turn, (n, 2) each, and bounds of direction and slip and what is aside, (n, 3).
-        """
-        mean, covariance, (direction, slip, way) = self.mean.copy(), self.covariance.copy(), aside.T
+    def moved(self, odometry: Odometry | None, team: Team, duration: float, rules: Alignment) -> Offsets:
+        """Return the estimates after a motion of so long [s]; of robots that no odometry tells of, within their limits."""
+        mean, covariance = self.mean.copy(), self.covariance.copy()
+        path, path_bound, turned, twist, direction, slip, way = _moves(odometry, team, duration)
         whole, lately = max(duration, 1e-9), duration / (duration + LATELY)
-        path, turned, twist = distance.mean(axis=1), turn.mean(axis=1), np.ptp(turn, axis=1) / 2
-        across = slip + np.abs(distance).max(axis=1) * np.minimum(1.0, direction)
+        across = slip + (np.abs(path) + path_bound) * np.minimum(1.0, direction)
         lasting, wander = max(rules.lasting, duration) / whole, np.square([rules.wander, rules.drift]) * duration
-        noise = lasting * np.square([np.ptp(distance, axis=1) / 2 + slip, across, twist])
+        noise = lasting * np.square([path_bound + slip, across, twist])
         chord = path * np.sinc(turned / 2 / np.pi)
         for robot in np.flatnonzero(self.running):
             move = np.array([chord[robot], turned[robot], way[robot]])
@@ -142,43 +98,50 @@ class Offsets(Frozen):
         rate = np.where(self.running, self.rate + lately * (turned / whole - self.rate), self.rate)
         return replace(self, mean=mean, covariance=covariance, rate=rate)
 
-    def seen(self, sightings: Sequence[Sighting], landmarks: Array, excluded: Mask, rules: Alignment) -> Offsets:
-        """Return them after sightings of landmarks (l, 2) [m] but those whose identity is put aside, of (b,) bodies."""
+    def seen(self, sightings: Sightings, landmarks: Array, rules: Alignment) -> Offsets:
+        """Return them after sightings of landmarks (l, 2) [m]."""
         mean, covariance, misfit = self.mean.copy(), self.covariance.copy(), self.misfit.copy()
-        astray, allowed, robots = self.astray.copy(), self.allowed.copy(), len(self.rate)
-        for robot, target, sector in sightings:
-            if target < robots or excluded[target] or sector[1] >= np.pi:  # team mates say nothing here
-                continue
-            allowed[robot] = sector[1]
-            if self.running[robot]:
-                seen = np.array([sector[0], (sector[2] + sector[3]) / 2])
-                deviations = np.array([rules.bearing * sector[1], rules.range * (sector[3] - sector[2]) / 2])
-                mine = mean[robot], covariance[robot], self.rate[robot]
-                far, aside = _see(*mine, landmarks[target - robots], seen, deviations, rules.gate)
-                misfit[robot] += RECENT * (far - misfit[robot])
-                (count, last), side = astray[robot], np.sign(aside) if abs(aside) > rules.gate else 0.0
-                count = side if side * count <= 0 else count + side * (last != target)
-                astray[robot] = (count, target) if abs(count) < JUMPED else 0.0
-                if abs(count) >= JUMPED:  # heading and offset are open, their difference is not
-                    covariance[robot, 2:4, 2:4] += rules.prior**2 * np.eye(2)
+        astray, allowed = self.astray.copy(), self.allowed.copy()
+        allowed[sightings.robot] = sightings.bearing_bound
+        seen = np.stack([sightings.bearing, sightings.distance], axis=1)
+        bounds = [rules.bearing * sightings.bearing_bound, rules.range * sightings.distance_bound]
+        deviations, heard = np.stack(bounds, axis=1), self.running[sightings.robot]
+        for k in np.flatnonzero(heard).tolist():
+            robot, target = sightings.robot[k], sightings.landmark[k]
+            mine = mean[robot], covariance[robot], self.rate[robot]
+            far, aside = _see(*mine, landmarks[target], seen[k], deviations[k], rules.gate)
+            misfit[robot] += RECENT * (far - misfit[robot])
+            (count, last), side = astray[robot], np.sign(aside) if abs(aside) > rules.gate else 0.0
+            count = side if side * count <= 0 else count + side * (last != target)
+            astray[robot] = (count, target) if abs(count) < JUMPED else 0.0
+            if abs(count) >= JUMPED:  # heading and offset are open, their difference is not
+                covariance[robot, 2:4, 2:4] += rules.prior**2 * np.eye(2)
         return replace(self, mean=mean, covariance=covariance, misfit=misfit, astray=astray, allowed=allowed)
 
-    def checked(self, sets: Sequence[Hypotheses], rules: Alignment) -> Offsets:
-        """Return them without those that are wrong or have become too wide, and begun where the sets are small enough."""
+    def checked(self, lower: Array, upper: Array, headings: AngularIntervals, rules: Alignment) -> Offsets:
+        """Return them without those that are wrong or have become too wide, and begun where enough is known.
+
+        That is boxes around the robots, lower and upper (n, 2) [m], and arcs (n) around their headings.
+        """
         mean, covariance, misfit = self.mean.copy(), self.covariance.copy(), self.misfit.copy()
-        variance = np.diagonal(covariance, axis1=1, axis2=2)
-        narrow = (variance[:, :2].max(axis=1) <= FAR_OUT**2) & (variance[:, 2] <= UNKNOWN**2) & (variance >= 0).all(axis=1)
-        finite = np.isfinite(mean).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2))
-        running = self.running & narrow & finite & (misfit < WRONG)
-        for robot in np.flatnonzero(~running).tolist():
-            mean[robot], covariance[robot], hull = 0.0, 0.0, sets[robot].hull().reshape(4, QUARTER)[:, 0]
-            half, (heading, bound) = (hull[:2] + hull[2:]) / 2, sets[robot].heading()
-            if bound <= UNKNOWN and half.max() <= FAR_OUT:
-                mean[robot] = [*((hull[:2] - hull[2:]) / 2), heading, 0.0, 0.0]
-                covariance[robot] = np.diag(np.square([*half, bound, 0.0, rules.clock]))
-                covariance[robot, 2:4, 2:4] += rules.prior**2  # what is known of the heading, the camera may have said
-                running[robot], misfit[robot] = True, 0.0
+        running = self.running & self._are_sound
+        middle, half = (lower + upper) / 2, (upper - lower) / 2
+        is_known = (headings.bound <= UNKNOWN) & (half.max(axis=1) <= FAR_OUT)
+        mean[~running], covariance[~running] = 0.0, 0.0
+        for robot in np.flatnonzero(~running & is_known).tolist():
+            mean[robot, :3] = *middle[robot], headings.centre[robot]
+            covariance[robot] = np.diag(np.square([*half[robot], headings.bound[robot], 0.0, rules.clock]))
+            covariance[robot, 2:4, 2:4] += rules.prior**2  # what is known of the heading, the camera may have said
+            running[robot], misfit[robot] = True, 0.0
         return replace(self, mean=mean, covariance=covariance, running=running, misfit=misfit)
+
+    @property
+    def _are_sound(self) -> Mask:
+        """(n,) which estimates are numbers, narrow enough, and fit to most of what was seen."""
+        variance = np.diagonal(self.covariance, axis1=1, axis2=2)
+        narrow = (variance[:, :2].max(axis=1) <= FAR_OUT**2) & (variance[:, 2] <= UNKNOWN**2) & (variance >= 0).all(axis=1)
+        finite = np.isfinite(self.mean).all(axis=1) & np.isfinite(self.covariance).all(axis=(1, 2))
+        return np.asarray(narrow & finite & (self.misfit < WRONG))
 
     def judged(self, time: float, rules: Alignment) -> Offsets:
         """Return them with cameras suspected whose offset or delay is beyond a bound for sure; no longer those that agree."""
@@ -192,7 +155,27 @@ class Offsets(Frozen):
         agrees, looks_good = known & (off + deviation <= bound), known & (off <= deviation / 2)
         suspected = (time - bad_since >= rules.patience) | (self.suspected & ~agrees)
         good_until = np.where(looks_good, np.maximum(self.good_until, time - rules.hidden), self.good_until)
-        return replace(self, mean=mean, good_until=good_until, bad_since=bad_since, suspected=suspected)
+        vouched = known[:, 0] & ~beyond[:, 0] & ~suspected.any(axis=1)
+        found = {"good_until": good_until, "bad_since": bad_since, "suspected": suspected, "vouched": vouched}
+        return replace(self, mean=mean, **found)
+
+    def waiting(self, robots: Mask) -> Offsets:
+        """Return them with those on trial whose robots (n,) have a suspended guarantee: to hear them takes nothing from it."""
+        return replace(self, on_trial=self.suspected.any(axis=1) & ~self.running & robots)
+
+    def without(self, robot: int) -> Offsets:
+        """Return them without the estimate of a robot that is put somewhere, or leaves; its camera stays suspected."""
+        return replace(self, running=self.running & (np.arange(len(self.running)) != robot))
+
+
+def _moves(odometry: Odometry | None, team: Team, duration: float) -> Array:
+    """Return (7, n) path and its bound, turn and its bound, direction bound, slip, and what is aside, of each robot."""
+    found = np.zeros((7, team.robots))
+    found[3], found[5] = team.turn_rate_limit * duration, team.speed_limit * duration
+    if odometry is not None:
+        bounds = odometry.direction_bound, odometry.slip_bound, odometry.aside
+        found[:, odometry.robot] = odometry.distance, odometry.distance_bound, odometry.turn, odometry.turn_bound, *bounds
+    return found
 
 
 @compiled

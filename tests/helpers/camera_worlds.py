@@ -1,12 +1,12 @@
-"""Small worlds in an arena for the robust filter, and what became of the truth in them."""
+"""Small worlds in an arena whose cameras can be wrong, and what became of the truth in them."""
 
 from dataclasses import replace
 
 import numpy as np
 from helpers.worlds import World
 
+from filter import Bearing, Range
 from filter.geometry.polygon import Polygon
-from filter.robust.belief import Turned
 
 ARENA = [[-3.0, -3.0], [9.0, 9.0]]
 GUILTY = 1  # whose camera lies
@@ -32,12 +32,18 @@ def inside(belief, world):
     return places, belief.headings.contains(world.headings)
 
 
-def missing(belief, world):
-    """Return the robots whose position or heading is outside."""
-    places, headings = inside(belief, world)
-    return np.flatnonzero(~(places & headings)).tolist()
+def turned(records, by):
+    """Return records with the bearings of the guilty one's camera turned [rad]."""
+    return [replace(r, bearing=r.bearing + by * (r.robot == GUILTY)) if isinstance(r, Bearing) else r for r in records]
 
 
-def turned_in(beliefs):
-    """Return the events of cameras that are suspected to be turned, or trusted again."""
-    return [event for belief in beliefs for event in belief.events if isinstance(event, Turned)]
+def later(records, before, time):
+    """Return records with those of the guilty one's camera as they were some steps before, with the time of now."""
+    others, own = ([r for r in each if isinstance(r, Bearing | Range)] for each in (records, before))
+    chosen = [(r, r.robot != GUILTY) for r in others] + [(r, r.robot == GUILTY) for r in own]
+    return [_part(r, mask, time) for r, mask in chosen]
+
+
+def _part(record, mask, time):
+    columns = {name: column[mask] for name, column in vars(record).items() if isinstance(column, np.ndarray)}
+    return replace(record, **columns, time=time)

@@ -64,7 +64,8 @@ class RobustFilter(SetMembershipFilter):
         records = self.team.checked(belief.time, measurements, belief.guarantee.away)
         known, events = self._suspecting(belief, self._seen(belief, records))
         found = super().update(known, heard(records, self._cameras(known)))
-        return replace(found, cameras=known.cameras, events=events + found.events)
+        diagnosis = _with_metres(found.diagnosis, belief.diagnosis)
+        return replace(found, cameras=known.cameras, events=events + found.events, diagnosis=diagnosis)
 
     def placed(self, belief: Belief, robot: int, polygon: Polygon | None, heading: AngularIntervals | None = None) -> Belief:
         """Return the belief in which a robot is somewhere now; what is suspected of its camera stays."""
@@ -104,7 +105,7 @@ class RobustFilter(SetMembershipFilter):
         return self._on_trial(belief, now), tuple(events)
 
     def _in_doubt(self, belief: Belief, diagnosis: Diagnosis, now: Offsets) -> Belief:
-        """Return the belief in a doubt; robots whose cameras are known not to be turned need not drive on to show it."""
+        """Return the belief in a doubt, in which robots whose cameras are known not to be turned now need not have driven."""
         asked = np.where(now.vouched, METRES, 0.0)
         metres = asked if diagnosis.metres is None else np.maximum(diagnosis.metres, asked)
         return replace(belief, cameras=now, diagnosis=replace(diagnosis, metres=metres))
@@ -124,6 +125,13 @@ def _changes(time: float, before: Offsets, now: Offsets, column: int, event: typ
     found = now.mean[robots, 3 + column], now.deviations[robots, column], now.good_until[robots, column]
     told = zip(robots.tolist(), now.suspected[robots, column].tolist(), *(each.tolist() for each in found), strict=True)
     return [event(time, *each) for each in told]
+
+
+def _with_metres(now: Diagnosis | None, before: Diagnosis | None) -> Diagnosis | None:
+    """Return a diagnosis with what was really driven in a doubt that goes on: a camera need not be vouched for next time."""
+    if now is None or before is None or not (now.hypotheses and before.hypotheses):
+        return now
+    return replace(now, metres=before.metres)
 
 
 def heard(records: Records, cameras: Offsets) -> Records:

@@ -31,7 +31,7 @@ from filter.sets.proof import After
 from filter.sets.worth import matter
 
 PASSES = 8  # at most; more than three are seldom worth it
-GAIN = 0.98  # another pass is worth it if something becomes smaller by this factor
+GAIN = 0.98  # another pass is worth it if enough robots' boxes or headings become smaller by this factor
 # Another pass may be worth it where the chord of a range is so far inside its circle, in widths of the band of the range,
 SAGITTA = 1.0
 # or where a bearing would leave this share of a heading.
@@ -141,7 +141,7 @@ class Merger(Frozen):
 
     def _settled(self, is_over: Callable[[], bool]) -> tuple[Polytope, list[Directions]]:
         """Return the polytope with rows, and what was read in each pass; there are as many as are worth it."""
-        known, before, passes = self.polytope, np.full(0, np.inf), list[Directions]()
+        known, before, passes = self.polytope, np.full((2, len(self.headings)), np.inf), list[Directions]()
         with After((self._torn(known),)):
             arms = Look.of_compasses(self.headings, self.readings).arms if self.readings.mountings is not None else None
         for _ in range(PASSES if self.most.cells else 1):
@@ -151,8 +151,9 @@ class Merger(Frozen):
             if not self._may_gain(merged, read) or is_over():
                 break
             known, arms = boxed_at_a_glance(replace(merged, lower=known.lower, upper=known.upper)), read.arms
-            now = np.concatenate([(known.upper - known.lower).sum(axis=1), read.headings.bound])
-            if len(before) and (now >= GAIN * before).all():
+            extent = known.upper - known.lower
+            now = np.stack([extent.sum(axis=1), read.headings.bound])
+            if not matter(np.flatnonzero((now < GAIN * before).any(axis=0)), extent.prod(axis=1)):
                 break
             before = now
         return merged, passes

@@ -4,13 +4,14 @@ import numpy as np
 
 from filter.arrays import Array, Integers
 
-# Cells and another round are worth it for this share of all robots, by number or area, and while regions become smaller by it.
-WORTH_IT = 0.03
+# Cells, another pass and another round are worth it for this share of all robots, by number or area: they cost as much for all.
+MANY = 0.1
+SMALLER = 0.03  # another round is worth it while regions become smaller by this share
 
 
 def matter(robots: Integers, areas: Array) -> bool:
     """Return whether some robots are not few among (n,) regions of some areas [m2]."""
-    return len(robots) >= WORTH_IT * len(areas) or bool(areas[robots].sum() >= WORTH_IT * areas.sum())
+    return len(robots) >= MANY * len(areas) or bool(areas[robots].sum() >= MANY * areas.sum())
 
 
 def are_smaller(now: Array, before: Array) -> bool:
@@ -18,4 +19,4 @@ def are_smaller(now: Array, before: Array) -> bool:
     if not before.any():
         return False
     shares = np.divide(now, before, out=np.ones(len(now)), where=before > 0)
-    return bool(min(now.sum() / before.sum(), shares.mean()) < 1 - WORTH_IT)
+    return bool(min(now.sum() / before.sum(), shares.mean()) < 1 - SMALLER)

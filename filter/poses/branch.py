@@ -18,6 +18,7 @@ from filter.sensing.rows import WIDENING
 
 TOLERANCE = 0.02  # a cell that is no wider than this is not split (see `where_to_split`)
 OF_SLICES = 2  # slices, most of which are narrow already, are split into half as many cells
+NOT_KNOWN = -1.0  # how wide a piece is that nobody has looked at
 HULL_EDGES, FEW_EDGES = 24, 8  # of the hull, and of what is enough for others, at most
 
 
@@ -64,7 +65,7 @@ class Pieces(NamedTuple):
         corners: (c, CELL_CORNERS, 2) of each.
         size: (c,) how many it has.
         heading: (c, 2) its arc, centre and bound [rad].
-        split: (c, 4) how badly it is too wide, and the line to split it along (see `where_to_split`).
+        split: (c, 4) how badly it is too wide, or NOT_KNOWN, and the line to split it along (see `where_to_split`).
         node: (c,) where it is in the tree.
         alive: (1,) how many there are.
     """
@@ -107,6 +108,7 @@ def branch(roots: Roots, heading: Array, said: Said, margin: float, tree: Tree) 
     for nodes in range(count, len(tree.child) - 1, 2):
         if not 0 < left.alive[0] < enough:
             break
+        _weigh(left, said, scale)
         k = place_of_least(-left.split[: left.alive[0], 0])
         if left.split[k, 0] <= TOLERANCE:
             break
@@ -150,14 +152,21 @@ def _gather(left: Pieces, margin: float) -> None:
 
 @compiled
 def _prune(left: Pieces, k: int, size: int, said: Said, scale: Scale) -> None:
-    """Cut a piece by everything, and look how wide it is then."""
-    pose = left.corners[k], left.heading[k]
-    left.size[k] = size
+    """Cut a piece by everything; how wide it is then is not known yet."""
+    left.size[k], left.split[k, 0] = size, NOT_KNOWN
     if size:
+        pose = left.corners[k], left.heading[k]
         left.size[k], left.tree.rounds[left.node[k]] = pruned(pose, size, said, scale)
-    if left.size[k]:
-        need, x, y, offset = where_to_split(pose, left.size[k], said, scale)
-        left.split[k, 0], left.split[k, 1], left.split[k, 2], left.split[k, 3] = need, x, y, offset
+
+
+@compiled
+def _weigh(left: Pieces, said: Said, scale: Scale) -> None:
+    """Look how wide pieces are of which that is not known."""
+    for k in range(left.alive[0]):
+        if left.split[k, 0] == NOT_KNOWN:
+            pose = left.corners[k], left.heading[k]
+            need, x, y, offset = where_to_split(pose, left.size[k], said, scale)
+            left.split[k, 0], left.split[k, 1], left.split[k, 2], left.split[k, 3] = need, x, y, offset
 
 
 @compiled

@@ -22,7 +22,9 @@ def directions(cell: Array, size: int, points: Array, nearest: float, margin: fl
         the least.
     """
     ahead, first, last, farthest = _outermost(cell, size, points, margin)
-    least = _least(cell, size, points, ahead, margin)
+    least = _gap(cell, size, points, ahead)
+    if least <= margin:
+        least = _least(cell, size, points, ahead, margin)
     bound = max(_angle(ahead, last), -_angle(ahead, first))
     if least < 0:
         (ahead, least), bound = _shallowest(cell, size, points, margin), np.pi / 2
@@ -56,6 +58,17 @@ def _outermost(cell: Array, size: int, points: Array, margin: float) -> tuple[Ve
 
 
 @compiled
+def _gap(cell: Array, size: int, points: Array, ahead: Vector) -> float:
+    """Return how far points are beyond all of a cell in a direction, to rounding; negative where they are not [m]."""
+    cell_ends, points_begin = -np.inf, np.inf
+    for m in range(size):
+        cell_ends = max(cell_ends, ahead[0] * cell[m, 0] + ahead[1] * cell[m, 1])
+    for t in range(len(points)):
+        points_begin = min(points_begin, ahead[0] * points[t, 0] + ahead[1] * points[t, 1])
+    return points_begin - cell_ends
+
+
+@compiled
 def _least(cell: Array, size: int, points: Array, ahead: Vector, margin: float) -> float:
     """Return the least difference in a direction; one that is as near as nothing is zero [m]."""
     least = np.inf
@@ -76,7 +89,7 @@ def _shallowest(cell: Array, size: int, points: Array, margin: float) -> tuple[V
         length = np.hypot(x, y)
         if length > margin:
             outward = (y / length, -x / length) if k < size else (-y / length, x / length)
-            least = _least(cell, size, points, outward, margin)
+            least = _gap(cell, size, points, outward)
             if least > greatest:
                 best, greatest = outward, least
     return best, greatest

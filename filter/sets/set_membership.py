@@ -99,7 +99,7 @@ class StrictFilter(Frozen):
 
         The options are its other attributes, and those that are to be different after all.
         """
-        light = {"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, "cells": 20, "slices": 8}
+        light = {"rows_per_robot": 12, "rows_per_pair": 8, "pairs": 0, "corners": False, "cells": 20, "slices": 10}
         return cls(team, **light | options)
 
     def start(self, time: float, positions: Sequence[Polygon | None], headings: AngularIntervals | None = None) -> Belief:

@@ -164,8 +164,12 @@ class Offsets(Frozen):
         return replace(self, on_trial=self.suspected.any(axis=1) & ~self.running & robots)
 
     def without(self, robot: int) -> Offsets:
-        """Return them without the estimate of a robot that is put somewhere, or leaves; its camera stays suspected."""
-        return replace(self, running=self.running & (np.arange(len(self.running)) != robot))
+        """Return them without the estimate of a robot that is put somewhere, or leaves; its camera stays suspected.
+
+        It is on trial no longer: what was heard of it then is forgotten with the place.
+        """
+        others = np.arange(len(self.running)) != robot
+        return replace(self, running=self.running & others, on_trial=self.on_trial & others)
 
 
 def _moves(odometry: Odometry | None, team: Team, duration: float) -> Array:

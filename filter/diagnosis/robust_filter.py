@@ -22,9 +22,7 @@ from filter.records.odometry import Odometry
 from filter.records.presence import Change
 from filter.records.relative import RelativeHeading
 from filter.sets.belief import Belief, Diagnosis, Event
-from filter.sets.suspect import Late, StartsOver, Suspect, Turned
-
-BECAUSE = "its camera is suspected, by evidence"
+from filter.sets.suspect import Late, StartsOver, Turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +37,8 @@ class RobustFilter(SetMembershipFilter):
 
     Of a suspected camera there may be no estimate any more. If the guarantee is suspended, it is heard then until there is
     one, and its robot starts over once more. Mates that have believed a camera before it was suspected do not start over.
+    The policy "raise" is about conflicts only: a suspicion raises nothing. A belief of a filter without evidence is taken as
+    one in which no camera is suspected.
 
     Attributes:
         alignment: When a camera is suspected to be turned or late. Sensors that are not at a robot's centre are not.
@@ -99,9 +99,9 @@ class RobustFilter(SetMembershipFilter):
         since = np.where(now.suspected, now.good_until, belief.time).min(axis=1)
         if lost.any():
             robots = dict(zip(np.flatnonzero(lost).tolist(), since[lost].tolist(), strict=True))
-            guilty = (Suspect("sensor", robot, None, begun) for robot, begun in robots.items())
-            events.append(StartsOver(belief.time, tuple(robots), tuple(guilty)))
-            belief = suspended(self._strict(never), belief, robots, BECAUSE)
+            over = StartsOver(belief.time, tuple(robots), conflict=())
+            belief = suspended(self._strict(never), belief, robots, over.because(str))
+            events.append(over)
         return self._on_trial(belief, now), tuple(events)
 
     def _in_doubt(self, belief: Belief, diagnosis: Diagnosis, now: Offsets) -> Belief:

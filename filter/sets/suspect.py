@@ -147,7 +147,7 @@ class StartsOver(InWords):
     Attributes:
         time: When [s].
         robots: Which.
-        conflict: What was in doubt, or else in conflict with one another.
+        conflict: What was in doubt, or else in conflict with one another; nothing if it is for their cameras' sake.
         unheard: Robots of which nothing counts that was measured just then, by them or of them.
     """
 
@@ -158,6 +158,8 @@ class StartsOver(InWords):
 
     def because(self, words: Callable[[Any], str]) -> str:
         """Return why, in words."""
+        if not self.conflict:
+            return "its camera is suspected, by evidence"
         return f"more is wrong than one of: {'; '.join(map(words, self.conflict))}"
 
     def _in_words(self, words: Callable[[Any], str]) -> str:

@@ -61,7 +61,8 @@ def test_a_suspicion_is_told_and_its_robot_starts_over_suspended_since_its_camer
     assert isinstance(told, (Turned, Late)[column])
     assert (told.robot, told.aside, told.since) == (0, True, [1.0, 2.0][column])
     assert isinstance(over, StartsOver)
-    assert over.robots == (0,)
+    assert (over.robots, over.conflict) == ((0,), ())
+    assert str(over).endswith("robot 0; its camera is suspected, by evidence")
     assert belief.guarantee.suspended_since.tolist() == [told.since, np.inf]
     assert belief.guarantee.because[0] == "its camera is suspected, by evidence"
     assert belief.headings.bound[0] == np.pi
@@ -123,6 +124,17 @@ def test_whoever_leaves_or_is_put_somewhere_has_no_estimate_and_the_same_camera(
     cameras = FILTER.changed(known(suspected=suspected), change).cameras
     assert cameras.running.tolist() == [False, False]
     assert (cameras.suspected == suspected).all()
+
+
+def test_where_a_robot_with_a_suspected_camera_is_put_it_stays():
+    suspected = FILTER.update(known(**off(1, 0.8)), SEEN)
+    gone = FILTER.update(FILTER.changed(suspected, Left(10.0, 0)))
+    placed = FILTER.changed(gone, Placed(10.0, 0, Polygon.box([-0.1, -0.1], [0.1, 0.1]), AngularIntervals([0.0], [0.05])))
+    belief = FILTER.update(placed, SEEN)
+    assert not belief.events
+    assert belief.cameras.late[0]
+    assert belief.regions.outer.areas[0] < 0.05
+    assert belief.headings.bound[0] <= 0.05
 
 
 def run_of(filter_, world, steps, by=0.0):

@@ -6,9 +6,9 @@ reads what `python -m experiments.moving_team --certificates`, or `experiments.f
 docs/soundness.md): the log, and for each of its frames the headings with what made them narrower, a closed polygon of each
 robot with the proof of every edge, and the regions as the recording, the trajectories and the summary show them. Each line is
 proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
-(`experiments.proof.chain`). Where the summary says that something is tolerated, sightings count as votes alone. What is on
-trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all this is in FOLDER/certified, and only
-that is proved. With `--workers N` so many processes share the proof.
+(`experiments.proof.chain`). Where the summary says that lies are tolerated by votes, sightings count as votes alone; any other
+tolerance is refused. What is on trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all this is
+in FOLDER/certified, and only that is proved. With `--workers N` so many processes share the proof.
 
 Exit code: 0 if everything is proved, 1 if something is not, or a file is damaged or is not there, 2 if there are no
 certificates at all, 3 if the verdict cannot be written.
@@ -16,6 +16,7 @@ certificates at all, 3 if the verdict cannot be written.
 
 import argparse
 import os
+import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -38,6 +39,11 @@ LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "region
 ALTERNATIVES = "alternatives.jsonl.gz"
 SUMMARY, TRAJECTORY = "summary.json", "trajectories/{}_filter.tum"
 RECORDINGS = ("moving_team.rrd", "follow.rrd")  # the first, where a summary does not say which there is, or that there is none
+# The only condition, in words of the summary, under which regions can be proved: the verdict says how long windows really were.
+VOTES = re.compile(
+    r"if for each robot at most one of these is wrong within any \S+ s: "
+    r"what it measures of one body, or one mate of it, within \S+ s"
+)
 BAR = 40  # characters
 TRUST = "on trust: "
 BESIDE = f"{TRUST}the folder's own figures, beside {CERTIFIED}/"
@@ -91,9 +97,16 @@ def _recordings(folder: Path) -> list[Path]:
 
 
 def _tolerates(folder: Path) -> bool:
-    """Return whether a summary says that some of what was measured may be wrong: then it has to be proved with votes."""
+    """Return whether a summary says that some of what was measured may be wrong: then it has to be proved with votes.
+
+    Raises:
+        Broken: Something else is said to be tolerated than what votes survive.
+    """
     with located(SUMMARY):
-        return bool(parsed((folder / SUMMARY).read_bytes()).get("tolerated"))
+        told = parsed((folder / SUMMARY).read_bytes()).get("tolerated")
+        if told and not VOTES.fullmatch(told):
+            raise Broken(f"of all that can be tolerated only votes on each robot are proved, as yet, not {shown(told)}")
+        return bool(told)
 
 
 def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region | None]]) -> Counter[str]:

@@ -215,6 +215,15 @@ def test_votes_are_none_where_nothing_is_said_to_be_tolerated(run, tmp_path, cap
 def test_what_is_believed_is_no_proof_where_some_of_it_is_said_to_be_tolerated(tmp_path, capsys):
     """A run that believes every sighting would prove smaller regions than votes allow."""
     folder = run_of(tmp_path, steps=1)
-    summary_with(folder, tolerated="if one lies")
+    summary_with(folder, tolerated=str(Tolerance(1, 5.0, "identities")))
     assert prove.main([str(folder)]) == 1
     assert "not proved" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("told", [str(Tolerance(1, 5.0, "pairs")), str(Tolerance(1, 5.0, "identities")) + ", or more", 1])
+def test_votes_prove_nothing_of_another_tolerance(run, tmp_path, capsys, told):
+    """What is proved holds if of each robot one vote is wrong; a summary may not say that it holds if something else is."""
+    copy = shutil.copytree(run, tmp_path / "copy")
+    summary_with(copy, tolerated=told)
+    assert prove.main([str(copy)]) == 1
+    assert "summary.json: " in capsys.readouterr().out

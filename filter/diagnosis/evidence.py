@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 
 from filter.arrays import Array, Integers, Mask
+from filter.cameras.offsets import Offsets
 from filter.diagnosis.told import Records, Who, said, some
 from filter.linear.sources import NOBODY
 from filter.sensing.readings import targets_of
@@ -43,6 +44,11 @@ def _placed(target: Integers, placed: Mask) -> Mask:
     """Return (k,) whether the places of targets are known, as those of landmarks are."""
     is_mate = (target != NOBODY) & (target < len(placed))
     return ~is_mate | placed[np.where(is_mate, target, 0)]
+
+
+def vouched_for(metres: Array, cameras: Offsets | None) -> Array:
+    """Return metres (n,) that robots have driven [m]: enough where an estimate vouches for the camera, if there is one."""
+    return metres if cameras is None else np.where(cameras.vouched, np.maximum(metres, METRES), metres)
 
 
 def is_enough(suspect: Suspect, used: Used, metres: Array, times: int = 1, *, weight: int = 1) -> bool:

@@ -10,8 +10,9 @@ from operator import and_
 import numpy as np
 
 from filter.arrays import Array
+from filter.cameras.offsets import Offsets
 from filter.diagnosis.cover import cover_of
-from filter.diagnosis.evidence import EXCHANGED, FITS, is_enough
+from filter.diagnosis.evidence import EXCHANGED, FITS, is_enough, vouched_for
 from filter.diagnosis.hypotheses import Found, Strict, as_told, merged, moved_on, right_again, says_who
 from filter.diagnosis.replays import tried_again
 from filter.diagnosis.starting_over import Wrong, assumption, more_is_wrong, new_trial, waiting
@@ -86,7 +87,7 @@ def updated(strict: Strict, belief: Belief, diagnosis: Diagnosis, records: Recor
     if not living:
         more: list[Suspect | Source] = [*diagnosis.suspects, *_conflicts(strict, diagnosis.hypotheses, heard)]
         return more_is_wrong(strict, belief, heard, now, Wrong(more))
-    return judged(strict, now, innocent(diagnosis, living, belief.time), heard)
+    return judged(strict, now, innocent(diagnosis, living, belief.time), heard, cameras=belief.cameras)
 
 
 def _both(found: Sequence[Found]) -> tuple[tuple[Hypothesis, ...], tuple[Tried, ...]]:
@@ -127,10 +128,16 @@ def innocent(before: Diagnosis, living: Sequence[Hypothesis], time: float) -> tu
 
 
 def judged(
-    strict: Strict, diagnosis: Diagnosis, events: tuple[Event, ...], heard: Records = (), *, ends: bool = True
+    strict: Strict,
+    diagnosis: Diagnosis,
+    events: tuple[Event, ...],
+    heard: Records = (),
+    *,
+    cameras: Offsets | None = None,
+    ends: bool = True,
 ) -> Belief:
     """Return what is known in a doubt, or at the end of it if there is but one hypothesis left; by evidence, too."""
-    found, freed = _acquitted(strict, diagnosis, heard) if ends else (diagnosis, ())
+    found, freed = _acquitted(strict, diagnosis, heard, cameras) if ends else (diagnosis, ())
     living, time = found.hypotheses, found.hypotheses[0].belief.time
     events += tuple(Judged(time, suspect, "acquitted", "evidence") for suspect in freed)
     now = replace(found, by_proof=diagnosis.by_proof and not freed)
@@ -142,13 +149,15 @@ def judged(
     return replace(cover, guarantee=guarantee, events=events + fallbacks, diagnosis=now)
 
 
-def _acquitted(strict: Strict, diagnosis: Diagnosis, heard: Records) -> tuple[Diagnosis, tuple[Suspect, ...]]:
+def _acquitted(
+    strict: Strict, diagnosis: Diagnosis, heard: Records, cameras: Offsets | None = None
+) -> tuple[Diagnosis, tuple[Suspect, ...]]:
     """Return a diagnosis, and who is acquitted, as another one has used what they say: they are listened to from now on.
 
     They can have been wrong when the doubt began: so what is known in that case stays, as one hypothesis of all who are right
     again. Where nothing would be left nobody is acquitted, as that is evidence against all.
     """
-    metres = np.zeros(0) if diagnosis.metres is None else diagnosis.metres
+    metres = vouched_for(np.zeros(0) if diagnosis.metres is None else diagnosis.metres, cameras)
     freed = tuple(suspect for suspect in diagnosis.suspected if _agrees(suspect, diagnosis.hypotheses, metres))
     left, over, tried = list[Hypothesis](), [each for each in diagnosis.hypotheses if each.is_over], diagnosis.tried
     for each in diagnosis.hypotheses:

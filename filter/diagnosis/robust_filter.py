@@ -9,7 +9,6 @@ from filter.arrays import checked, instance
 from filter.cameras.alignment import Alignment
 from filter.cameras.offsets import Offsets
 from filter.cameras.sightings import Sightings
-from filter.diagnosis.evidence import METRES
 from filter.diagnosis.set_membership_filter import Policy, SetMembershipFilter
 from filter.diagnosis.starting_over import suspended, waiting
 from filter.diagnosis.told import Records, some, without_all
@@ -64,8 +63,7 @@ class RobustFilter(SetMembershipFilter):
         records = self.team.checked(belief.time, measurements, belief.guarantee.away)
         known, events = self._suspecting(belief, self._seen(belief, records))
         found = super().update(known, heard(records, self._cameras(known)))
-        diagnosis = _with_metres(found.diagnosis, belief.diagnosis)
-        return replace(found, cameras=known.cameras, events=events + found.events, diagnosis=diagnosis)
+        return replace(found, cameras=known.cameras, events=events + found.events)
 
     def placed(self, belief: Belief, robot: int, polygon: Polygon | None, heading: AngularIntervals | None = None) -> Belief:
         """Return the belief in which a robot is somewhere now; what is suspected of its camera stays."""
@@ -93,7 +91,7 @@ class RobustFilter(SetMembershipFilter):
         """Return the belief in which robots whose cameras are newly suspected start over, and what is to be told."""
         before, events = self._cameras(belief), list[Event]()
         if belief.diagnosis and belief.diagnosis.hypotheses:
-            return self._in_doubt(belief, belief.diagnosis, replace(now, suspected=before.suspected)), ()
+            return replace(belief, cameras=replace(now, suspected=before.suspected)), ()
         events += [*_changes(belief.time, before, now, 0, Turned), *_changes(belief.time, before, now, 1, Late)]
         lost = (now.suspected & ~before.suspected).any(axis=1) | (now.on_trial & now.running)
         since = np.where(now.suspected, now.good_until, belief.time).min(axis=1)
@@ -103,12 +101,6 @@ class RobustFilter(SetMembershipFilter):
             belief = suspended(self._strict(never), belief, robots, over.because(str))
             events.append(over)
         return self._on_trial(belief, now), tuple(events)
-
-    def _in_doubt(self, belief: Belief, diagnosis: Diagnosis, now: Offsets) -> Belief:
-        """Return the belief in a doubt, in which robots whose cameras are known not to be turned now need not have driven."""
-        asked = np.where(now.vouched, METRES, 0.0)
-        metres = asked if diagnosis.metres is None else np.maximum(diagnosis.metres, asked)
-        return replace(belief, cameras=now, diagnosis=replace(diagnosis, metres=metres))
 
     def _on_trial(self, belief: Belief, now: Offsets) -> Belief:
         """Return the belief with those on trial that are heard from now on; what they say puts nothing in force again."""
@@ -125,13 +117,6 @@ def _changes(time: float, before: Offsets, now: Offsets, column: int, event: typ
     found = now.mean[robots, 3 + column], now.deviations[robots, column], now.good_until[robots, column]
     told = zip(robots.tolist(), now.suspected[robots, column].tolist(), *(each.tolist() for each in found), strict=True)
     return [event(time, *each) for each in told]
-
-
-def _with_metres(now: Diagnosis | None, before: Diagnosis | None) -> Diagnosis | None:
-    """Return a diagnosis with what was really driven in a doubt that goes on: a camera need not be vouched for next time."""
-    if now is None or before is None or not (now.hypotheses and before.hypotheses):
-        return now
-    return replace(now, metres=before.metres)
 
 
 def heard(records: Records, cameras: Offsets) -> Records:

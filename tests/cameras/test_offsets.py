@@ -10,7 +10,6 @@ from filter import AngularIntervals, Bearing, Odometry, Range, Team, wrap
 from filter.cameras.alignment import Alignment
 from filter.cameras.offsets import Offsets
 from filter.cameras.sightings import Sightings
-from filter.errors import InvalidInput
 
 RULES = Alignment()
 
@@ -160,9 +159,3 @@ def test_where_little_is_known_there_is_no_estimate():
     begun = Offsets.none(2, 0.0).checked(-corner, corner, arcs, RULES)
     assert begun.running.tolist() == [True, False]
     assert not begun.without(0).running.any()
-
-
-@pytest.mark.parametrize("wrong", [{"share": 1.5}, {"deviations": 0.0}, {"wander": -1.0}, {"prior": np.nan}])
-def test_an_alignment_out_of_range_is_refused(wrong):
-    with pytest.raises(InvalidInput):
-        Alignment(**wrong)

@@ -7,7 +7,20 @@ import pytest
 from helpers.drawn.broken import drawn, followed
 
 from filter import AngularIntervals, Bearing, Compass
-from filter.diagnosis.evidence import AGAIN, HEADING, INSTANTS, METRES, OFTEN, PLACE, TEST, counted, is_enough, put_to_test
+from filter.cameras.offsets import Offsets
+from filter.diagnosis.evidence import (
+    AGAIN,
+    HEADING,
+    INSTANTS,
+    METRES,
+    OFTEN,
+    PLACE,
+    TEST,
+    counted,
+    is_enough,
+    put_to_test,
+    vouched_for,
+)
 from filter.diagnosis.told import said
 from filter.sets.suspect import Suspect
 
@@ -70,3 +83,9 @@ def test_it_is_a_test_if_the_pose_of_whoever_measures_is_known_and_the_place_of_
     }
     used = counted({("compass", 1, -1): 2}, records, put_to_test(records, known))
     assert [used[who] for who in (("compass", 1, -1), ("sighting", 0, 4), ("sighting", 0, 2))] == [3, TEST, 1]
+
+
+def test_a_camera_that_is_vouched_for_need_not_have_driven():
+    metres, cameras = np.array([0.0, 0.0, 9.0]), replace(Offsets.none(3, 0.0), vouched=np.array([True, False, True]))
+    assert vouched_for(metres, cameras).tolist() == [METRES, 0.0, 9.0]
+    assert vouched_for(metres, None) is metres

@@ -24,7 +24,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from experiments.proof.doubts import Cover, Doubts
+from experiments.proof.alternatives.doubts import Cover, Doubts
 from experiments.proof.edges import WORLD
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log

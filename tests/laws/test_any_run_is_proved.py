@@ -5,8 +5,8 @@ import pytest
 from helpers.worlds import World
 
 from experiments.logs import Certificates, Header, InitialSet, LogWriter, first_belief
+from experiments.proof.alternatives.doubts import Cover
 from experiments.proof.chain import Chain
-from experiments.proof.doubts import Cover
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Feed
 from experiments.prove import HEADINGS, LINES, REGIONS, regions_of

@@ -8,7 +8,7 @@ from helpers.drawn.broken import drawn, going_on
 from helpers.worlds import World
 
 from experiments.logs import Certificates, Header, InitialSet, LogWriter, first_belief
-from experiments.proof.doubts import Doubts
+from experiments.proof.alternatives.doubts import Doubts
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Feed
 from experiments.proof.share import Share

@@ -9,7 +9,7 @@ import pytest
 from helpers.proved.doubts import followed, proved, refusal
 from helpers.proved.runs import forge, lines_of, moved
 
-from experiments.proof.doubts import AGAIN, Doubts
+from experiments.proof.alternatives.doubts import AGAIN, Doubts
 from experiments.proof.edges import add
 from experiments.proof.given.frame import Start
 from experiments.proof.given.log import Log

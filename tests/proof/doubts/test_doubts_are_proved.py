@@ -14,10 +14,10 @@ from helpers.proved.runs import forge, lines_of, moved
 from experiments.follow import main as follow_command
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.logs.alternatives import Alternatives
-from experiments.proof.doubts import Doubts
+from experiments.proof.alternatives.doubts import Doubts
+from experiments.proof.alternatives.wrong import everybody, without, without_both
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken
-from experiments.proof.wrong import everybody, without, without_both
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES
 from experiments.prove import main as prove_command
 from filter import Bearing, Compass, Doubted, Frame, InvalidInput, Position, Step, Suspect, Team

@@ -19,8 +19,9 @@ from experiments import prove
 from experiments.follow import main as follow_command
 from experiments.logs import Header, InitialSet, LogWriter
 from experiments.logs.alternatives import Alternatives
+from experiments.proof.alternatives.doubts import IN_FORCE, WAITING, Cover, Doubts
+from experiments.proof.alternatives.wrong import without_robots, without_ties
 from experiments.proof.chain import Chain
-from experiments.proof.doubts import IN_FORCE, WAITING, Cover, Doubts
 from experiments.proof.edges import WORLD
 from experiments.proof.exact import ANYWHERE
 from experiments.proof.given.log import Log
@@ -28,7 +29,6 @@ from experiments.proof.reading import Broken, Feed
 from experiments.proof.recording.told import Told
 from experiments.proof.share import Share
 from experiments.proof.shown import Region
-from experiments.proof.wrong import without_robots, without_ties
 from experiments.prove import ALTERNATIVES, HEADINGS, LINES, SUMMARY
 from filter import Frame, InvalidInput, Left, Odometry, Polygon, Position, SetMembershipFilter, StartsOver, Step, Team
 from filter.diagnosis import evidence, told

@@ -2,7 +2,8 @@
 
 An alternative has a name, a list of what may be wrong in it, one of these, and a chain of its own: from that of its parent, or
 from what was known before the first instant at which something may have been wrong. What of each frame counts then is for this
-checker to say (`experiments.proof.wrong`). It ends where it is proved to be empty; until then it has its part in the cover.
+checker to say (`experiments.proof.alternatives.wrong`). It ends where it is proved to be empty; until then it has its part in
+the cover.
 """
 
 from collections import Counter
@@ -10,6 +11,17 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 
+from experiments.proof.alternatives.wrong import (
+    NOBODY,
+    Wrong,
+    anywhere,
+    apart,
+    everybody,
+    without,
+    without_both,
+    words,
+    wrong_in,
+)
 from experiments.proof.chain import Chain, Placed
 from experiments.proof.edges import WORLD, Edges, add, through_corner, unit_normal
 from experiments.proof.exact import Arc, claimed
@@ -17,7 +29,6 @@ from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Record, body, exact, located
 from experiments.proof.share import Share
-from experiments.proof.wrong import NOBODY, Wrong, anywhere, apart, everybody, without, without_both, words, wrong_in
 
 AGAIN = "on trust: suspects that are taken to be right again, by evidence"
 IN_FORCE = "on trust: robots that are taken to be in force again, by evidence"

@@ -8,14 +8,15 @@ import numpy as np
 from filter.arrays import Array, Integers
 from filter.geometry.angles import ANGLE_ROUNDING, AngularIntervals, wrap
 from filter.geometry.around import hulls_of, lines_around
-from filter.geometry.many import Polygons
 from filter.linear.constraints import WORLD, Constraints
 from filter.linear.polytope import Polytope
 from filter.linear.sources import Sources
 from filter.poses.slices import NARROW_HEADING, Slices, regrouped
+from filter.projection.claims import Outlines
 from filter.sets.belief import Belief
+from filter.sets.proof import Evidence, Proof
 
-Relative = Callable[[Belief, Integers, Integers], Polygons]  # where other robots are, seen from robots (see `relative`)
+Seen = Callable[[Belief, tuple[Integers, Integers]], Outlines]  # where robots of pairs are, one seen from the other, and why
 
 
 def cover_of(beliefs: Sequence[Belief]) -> Belief:
@@ -47,26 +48,31 @@ def arcs_around(several: Sequence[AngularIntervals]) -> AngularIntervals:
     return AngularIntervals.of_found(*found)
 
 
-def united(beliefs: Sequence[Belief], relative: Relative, slices: int) -> Belief:
-    """Return what holds in each of some beliefs of one time, with rows on pairs, and so many slices of a robot at most."""
+def united(beliefs: Sequence[Belief], seen: Seen, slices: int) -> tuple[Belief, tuple[Evidence, ...]]:
+    """Return what holds in each of some beliefs of one time, and in each what proves what it says of pairs.
+
+    That is with rows on pairs, and so many slices of a robot at most; of one alone it is that, and there is nothing to prove.
+    """
     if len(beliefs) == 1:
-        return replace(beliefs[0], events=(), proofs=())
-    around = cover_of(beliefs)
-    return replace(_with_pairs(around, beliefs, relative), slices=_slices_of(around, beliefs, slices)).compact()
+        return replace(beliefs[0], events=(), proofs=()), ()
+    around, proofs = _with_pairs(cover_of(beliefs), beliefs, seen)
+    return replace(around, slices=_slices_of(around, beliefs, slices)).compact(), proofs
 
 
-def _with_pairs(around: Belief, beliefs: Sequence[Belief], relative: Relative) -> Belief:
-    """Return a cover with the hulls of what each belief says of pairs that all of them have rows on."""
+def _with_pairs(around: Belief, beliefs: Sequence[Belief], seen: Seen) -> tuple[Belief, tuple[Evidence, ...]]:
+    """Return a cover with the hulls of what each belief says of pairs that all of them have rows on; and of each why."""
     rows, robots = around.constraints, len(around.headings)
     keys = set.intersection(*(set(_pairs(belief, robots).tolist()) for belief in beliefs))
     if not keys:
-        return around
+        return around, ()
     i, j = np.divmod(np.array(sorted(keys)), robots)
-    hulls = hulls_of([relative(belief, i, j) for belief in beliefs])
+    outlines = [seen(belief, (i, j)) for belief in beliefs]
+    hulls = hulls_of([each.outer for each in outlines])
     table, numbers = around.sources.extended("pair", around.time, i, j)
     mutual = Constraints(i[hulls.owner], j[hulls.owner], hulls.normals, hulls.offsets, numbers[hulls.owner])
     polytope = around.polytope.with_constraints(Constraints.concatenate([rows, mutual]))
-    return replace(around, polytope=polytope, sources=table)
+    why = (Proof.of_edges(one.polytope, one.sources, each, (i, j)) for one, each in zip(beliefs, outlines, strict=True))
+    return replace(around, polytope=polytope, sources=table), tuple(why)
 
 
 def _pairs(belief: Belief, robots: int) -> Integers:

@@ -12,11 +12,12 @@ from filter.geometry.around import hulls_of
 from filter.geometry.many import Polygons
 from filter.geometry.polygon import Polygon
 from filter.guarantee import Guarantee
+from filter.projection.claims import Outlines
 from filter.projection.stop import IsOver
 from filter.records.frame import Frame
 from filter.records.measurements import Measurement
 from filter.records.presence import Change
-from filter.sets.belief import Alternative, Alternatives, Belief
+from filter.sets.belief import Alternative, Alternatives, Belief, Tried
 from filter.sets.conflict import Motion
 from filter.sets.suspect import Tolerated
 
@@ -50,10 +51,13 @@ class TolerantFilter(VotingFilter):
     def _predicted(self, belief: Belief, motion: Motion, arena: Array) -> Belief:
         """Return the belief after a motion in each case that can be; where the window ends, these cases are one before."""
         self._check(belief)
-        strictly, begun = super()._predicted, self._begun_for(belief, motion[0])
-        if begun.alternatives is None:
+        strictly, begun = super()._predicted, self._begun_for(belief, motion[0], motion[0])
+        known = begun.alternatives
+        if known is None:
             return strictly(begun, motion, arena)
-        living = _living(begun.alternatives, lambda one: strictly(one.belief, motion, arena))
+        living = _living(known, lambda one: strictly(one.belief, motion, arena), motion[0])
+        if known.united:
+            return replace(living.each[0].belief, alternatives=replace(living, tried=known.tried, united=known.united))
         around = strictly(replace(begun, alternatives=None), motion, arena)
         return replace(around, alternatives=living)
 
@@ -64,7 +68,7 @@ class TolerantFilter(VotingFilter):
             return super()._updated(belief, measurements, is_over)
         strictly, believed = super()._updated, self.tolerance.believed
         born = self._born(belief, [measurements])
-        living = _living(born, lambda one: strictly(one.belief, believed(one.lying, measurements), is_over))
+        living = _living(born, lambda one: strictly(one.belief, believed(one.lying, measurements), is_over), belief.time)
         return self._covered(living, belief.guarantee)
 
     def _together(self, belief: Belief, frames: Sequence[Frame]) -> Belief | None:
@@ -78,7 +82,7 @@ class TolerantFilter(VotingFilter):
             self.team.checked(frame.time, frame.measurements, belief.guarantee.away)
         if frames[-1].time - belief.time >= self.tolerance.window:
             return None
-        begun = self._begun_for(belief, frames[-1].time)
+        begun = self._begun_for(belief, frames[-1].time, belief.time)
         born, found = self._born(begun, [tuple(frame.measurements) for frame in frames]), list[Alternative]()
         for one in born.each:
             left = [
@@ -88,19 +92,27 @@ class TolerantFilter(VotingFilter):
             if together is None:
                 return None
             found.append(replace(one, belief=together))
-        return self._covered(replace(born, each=tuple(found)), begun.guarantee)
+        return self._covered(replace(born, each=tuple(found), tried=()), begun.guarantee)
 
     def _excludes(self, belief: Belief, motion: Motion | None, arena: Array, measurements: tuple[Measurement, ...]) -> bool:
         """Return whether what holds in every case, after a motion, is proved to exclude measurements."""
         return super()._excludes(replace(belief, alternatives=None, votes=None), motion, arena, measurements)
 
-    def _begun_for(self, belief: Belief, time: float) -> Belief:
-        """Return a belief that can be taken along to a time [s]: with one case alone where the window ends before."""
+    def _begun_for(self, belief: Belief, time: float, since: float) -> Belief:
+        """Return a belief that can be taken along to a time [s]: where a window ends before, with one case, since another."""
         known = belief.alternatives
         if known is None or (self.tolerance is not None and time - known.since < self.tolerance.window):
             return belief
-        together = united([one.belief for one in known.each], super().relative, self.slices)
-        return replace(together, guarantee=belief.guarantee)
+        together, proofs = united([one.belief for one in known.each], self._seen_from, self.slices)
+        together = replace(together, guarantee=belief.guarantee)
+        why = ((proof,) for proof in proofs) if proofs else ((),) * len(known.each)
+        tried = (Tried("", "", one.lying, (replace(one.belief, proofs=of),)) for one, of in zip(known.each, why, strict=True))
+        alone = Alternatives(since, (Alternative((), together),), tried=tuple(tried), united=together)
+        return replace(together, alternatives=alone)
+
+    def _seen_from(self, belief: Belief, pairs: tuple[Integers, Integers]) -> Outlines:
+        """Return polygons that contain x_j - x_i of pairs i < j (g), in one case, and why."""
+        return self._projector.pairs(belief.polytope, pairs).outlines
 
     def _born(self, belief: Belief, instants: Iterable[tuple[Measurement, ...]]) -> Alternatives:
         """Return the cases before some instants: with those who are heard for the first time among who may lie."""
@@ -140,14 +152,17 @@ class TolerantFilter(VotingFilter):
             raise InvalidInput(f"a belief that holds {own or 'without a tolerance'}", told or "one without a tolerance")
 
 
-def _living(known: Alternatives, step: Callable[[Alternative], Belief]) -> Alternatives:
-    """Return the cases that a step does not prove to be impossible; raises `Inconsistent` if that is every one."""
-    living, errors = list[Alternative](), list[Inconsistent]()
+def _living(known: Alternatives, step: Callable[[Alternative], Belief], time: float) -> Alternatives:
+    """Return the cases that a step to a time [s] does not exclude by proof; raises `Inconsistent` if that is every one."""
+    living, tried, errors = list[Alternative](), list[Tried](), list[Inconsistent]()
     for one in known.each:
         try:
             living.append(replace(one, belief=step(one)))
         except Inconsistent as error:
             errors.append(error)
+            tried.append(Tried("", "", one.lying, (), end=(time, error.evidence)))
+        else:
+            tried.append(Tried("", "", one.lying, (living[-1].belief,)))
     if not living:
         raise errors[0]
-    return replace(known, each=tuple(living))
+    return replace(known, each=tuple(living), tried=tuple(tried), united=None)

@@ -53,12 +53,10 @@ class Belief:
         guarantee: In force, if need be under the assumption that one thing alone is wrong; suspended where more is.
         found: (n) where each robot is, as the last update found; None at the start and after a prediction.
         events: What came into doubt, who was judged, and where walks and solvers failed.
-        proofs: Why every edge of the regions, the polytope's box and the pairs that were projected holds, round after round of
-            the last update; before them what was proved case by case, and what directions were read from.
+        proofs: Why edges of regions, boxes and pairs hold, round after round; before them what was proved by cases, and read.
         moved: What a prediction was made from; None at the start, after an update, and if somebody came or left.
         slices: The poses of robots whose headings are wide, position and heading together.
-        alternatives: What is known in each case of who lies, of a filter that tolerates it; None for one that does not, at the
-            start, and after a window's end. What is known of pairs, poses and inner polygons is in these beliefs.
+        alternatives: What is known in each case of who lies, if that is tolerated, also of pairs and poses; at the start None.
         votes: Which votes on poses there were, of a filter that holds the truth although one of them is wrong; else None.
         diagnosis: What a filter that goes on after a conflict keeps for that; None for one that raises.
         cameras: What motion says of the robots' cameras, by estimate, of a filter that asks; nothing of it is in a region.
@@ -157,12 +155,15 @@ class Alternatives:
         each: The cases that are not proved to be impossible.
         heard: Who has spoken since then: those who have not are in no case of their own.
         told: The cases when it was last told that somebody lies.
+        tried: What came of each in an update of one instant; or what each said of pairs of those that are one now: `united`.
     """
 
     since: float
     each: tuple[Alternative, ...]
     heard: frozenset[Suspect] = frozenset()
     told: tuple[tuple[Suspect, ...], ...] = ()
+    tried: tuple[Tried, ...] = ()
+    united: Belief | None = None
 
     @property
     def cases(self) -> tuple[tuple[Suspect, ...], ...]:
@@ -172,8 +173,7 @@ class Alternatives:
     @property
     def suspects(self) -> tuple[Suspect, ...]:
         """Who can lie, once it is proved that somebody does."""
-        some = () if () in self.cases else self.cases
-        return tuple(sorted({suspect for case in some for suspect in case}, key=lambda suspect: suspect.who))
+        return tuple(sorted({one for case in self.cases for one in case if () not in self.cases}, key=lambda one: one.who))
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,12 +218,12 @@ class Hypothesis:
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """What came of a hypothesis in one step: what is needed to prove it again.
+    """What came of a hypothesis, or of a case of who lies, in one step: what is needed to prove it again.
 
     Attributes:
-        name: The hypothesis.
+        name: The hypothesis; a case has none.
         parent: The one that it follows from; empty for what was known before the first instant.
-        suspects: One of these is wrong in it.
+        suspects: One of these is wrong in a hypothesis; all of these lie in a case.
         beliefs: After each instant that it was taken through, with their proofs.
         anew: Robots that were anywhere at the last instant.
         end: When nothing was left of it [s], and why; None if something is.

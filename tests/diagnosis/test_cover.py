@@ -47,7 +47,7 @@ def test_what_becomes_one_contains_every_case(seed):
     for frame in drive.frames:
         belief = stepped(filter_, belief, frame)
     before = belief
-    after = filter_._begun_for(before, before.time + 9.0)
+    after = filter_._begun_for(before, before.time + 9.0, before.time).alternatives.united
     assert after.alternatives is None
     i, j = np.triu_indices(drive.team.robots, 1)
     mutual = SetMembershipFilter.relative(filter_, after, i, j)

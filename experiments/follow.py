@@ -100,7 +100,7 @@ def run(options: Options) -> int:
     log = LogReader(options.log)
     scenario, watching = _watching(options, of_log(log))
     if options.certificates:
-        check_provable(scenario.team, options.tolerating.tolerance())
+        check_provable(scenario.team)
     filter_ = filter_of(options, scenario.team)
     folder = _emptied(output_folder(options.out))
     log.copy(folder / LOG)

@@ -6,9 +6,10 @@ reads what `python -m experiments.moving_team --certificates`, or `experiments.f
 docs/soundness.md): the log, and for each of its frames the headings with what made them narrower, a closed polygon of each
 robot with the proof of every edge, and the regions as the recording, the trajectories and the summary show them. Each line is
 proved in itself (`experiments.proof.line`), and each step tied to its measurements and to the steps before
-(`experiments.proof.chain`). Where the summary says that lies are tolerated by votes, sightings count as votes alone; any other
-tolerance is refused. What is on trust is said first. Of `experiments.mrclam`, whose summary has figures of its own, all this is
-in FOLDER/certified, and only that is proved. With `--workers N` so many processes share the proof.
+(`experiments.proof.chain`). What the summary says is tolerated is the condition: with votes sightings count as these alone, and
+else there is a chain for each case of who lies. What is on trust is said first. Of `experiments.mrclam`, whose summary has
+figures of its own, all this is in FOLDER/certified, and only that is proved. With `--workers N` so many processes share the
+proof.
 
 Exit code: 0 if everything is proved, 1 if something is not, or a file is damaged or is not there, 2 if there are no
 certificates at all, 3 if the verdict cannot be written.
@@ -16,7 +17,6 @@ certificates at all, 3 if the verdict cannot be written.
 
 import argparse
 import os
-import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -24,7 +24,10 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from experiments.proof.alternatives.doubts import Cover, Doubts
+from experiments.proof.alternatives.cover import Cover
+from experiments.proof.alternatives.doubts import Doubts
+from experiments.proof.alternatives.tolerance import VOTES, Tolerance
+from experiments.proof.alternatives.tolerated import Tolerated
 from experiments.proof.edges import WORLD
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
@@ -39,11 +42,6 @@ LINES, HEADINGS, REGIONS = "certificates.jsonl.gz", "headings.jsonl.gz", "region
 ALTERNATIVES = "alternatives.jsonl.gz"
 SUMMARY, TRAJECTORY = "summary.json", "trajectories/{}_filter.tum"
 RECORDINGS = ("moving_team.rrd", "follow.rrd")  # the first, where a summary does not say which there is, or that there is none
-# The only condition, in words of the summary, under which regions can be proved: the verdict says how long windows really were.
-VOTES = re.compile(
-    r"if for each robot at most one of these is wrong within any \S+ s: "
-    r"what it measures of one body, or one mate of it, within \S+ s"
-)
 BAR = 40  # characters
 TRUST = "on trust: "
 BESIDE = f"{TRUST}the folder's own figures, beside {CERTIFIED}/"
@@ -59,20 +57,19 @@ def prove(folder: Path, show: Callable[[str], object], share: Share | None = Non
     """
     log, share = Log(folder), share or Share()
     _look_for_files(folder, [name for robot, name in enumerate(log.names) if log.is_there(robot)])
-    doubts, told, proved = Doubts(log, share, is_voted=_tolerates(folder)), Told(log), list[list[Region | None]]()
+    checked, told, proved = _checked(folder, log, share), Told(log), list[list[Region | None]]()
     progress = _Progress(show if share.number == 0 else lambda _: None, folder / LINES)
     headings, lines, regions = Feed(folder / HEADINGS), Feed(folder / LINES, progress), Feed(folder / REGIONS)
     others = Feed(folder / ALTERNATIVES)
     for frame in log.frames:
-        cover = doubts.check(headings.at(frame.time), lines.at(frame.time), others.at(frame.time, least=0))
+        cover = checked.check(headings.at(frame.time), lines.at(frame.time), others.at(frame.time, least=0))
         proved.append(regions_of(frame, regions.at(frame.time), cover, is_proved=share.has_next()))
-        told.add(frame, proved[-1], cover, doubts.waiting)
+        told.add(frame, proved[-1], cover, checked.waiting)
     for feed in (headings, lines, regions, others):
         feed.end()
-    counts = Counter(doubts.main.links)
+    counts = Counter(checked.links)
     if share.has_next():
-        counts += doubts.assumed + _shown(folder, told, log, proved)
-        counts[f"{TRUST}{doubts.main.windows}"] = doubts.main.windows.count
+        counts += checked.on_trust() + _shown(folder, told, log, proved)
         counts[f"frames, up to t = {log.frames[-1].time} s"] = len(log.frames)
     return counts
 
@@ -96,17 +93,17 @@ def _recordings(folder: Path) -> list[Path]:
     return [] if name is None else [folder / name]
 
 
-def _tolerates(folder: Path) -> bool:
-    """Return whether a summary says that some of what was measured may be wrong: then it has to be proved with votes.
+def _checked(folder: Path, log: Log, share: Share) -> Doubts | Tolerated:
+    """Return what checks a run's steps, under the condition that its summary names.
 
     Raises:
-        Broken: Something else is said to be tolerated than what votes survive.
+        Broken: Under that nothing can be proved.
     """
     with located(SUMMARY):
         told = parsed((folder / SUMMARY).read_bytes()).get("tolerated")
-        if told and not VOTES.fullmatch(told):
-            raise Broken(f"of all that can be tolerated only votes on each robot are proved, as yet, not {shown(told)}")
-        return bool(told)
+        if not told or VOTES.fullmatch(told):
+            return Doubts(log, share, is_voted=bool(told))
+        return Tolerated(log, Tolerance.of(told), share)
 
 
 def _shown(folder: Path, told: Told, log: Log, proved: Sequence[Sequence[Region | None]]) -> Counter[str]:

@@ -9,13 +9,11 @@ from experiments.following.located import directions, points
 from experiments.keeping.running import Keeper, Moment
 from experiments.logs import Certificates
 from experiments.show.output import Trajectories
-from filter import InvalidInput, Team, Tolerance
+from filter import InvalidInput, Team
 
 
-def check_provable(team: Team, tolerance: Tolerance | None = None) -> None:
-    """Raise `InvalidInput` for a sensor whose clock may be off, and a tolerance of which `experiments.prove` does not know."""
-    if tolerance is not None and not tolerance.is_by_votes:
-        raise InvalidInput("--tolerate 0, or --suspects identities, for --certificates, as yet", " ".join(tolerance.suspects))
+def check_provable(team: Team) -> None:
+    """Raise `InvalidInput` for a sensor whose clock may be off, of which `experiments.prove` does not know."""
     off = next((sensor for sensor in team.sensors if sensor.time_bound), None)
     if off is not None:
         raise InvalidInput("sensors without a time_bound for --certificates, as yet", off.name)

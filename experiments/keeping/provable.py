@@ -31,7 +31,7 @@ class Provable(AbstractContextManager["Provable"]):
         Raises:
             InvalidInput: The folder cannot be written to, a sensor's clock may be off, or of the tolerance there are no proofs.
         """
-        check_provable(scenario.team, tolerance)
+        check_provable(scenario.team)
         self._tolerated, self._folder = str(tolerance or ""), output_folder(folder)
         self._running = Running(scenario, Metrics())
         header = replace(scenario.header, version=SECOND)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.logs.cases import slice_records
 from experiments.logs.evidence import Records, of_evidence, proved
 from experiments.logs.exactly import VERSION, hexadecimal
 from filter import Array, Belief, Confirmed, Frame, Integers, InvalidInput, Measurement, StartsOver, Step, Suspect, Team
@@ -21,16 +22,18 @@ from filter.diagnosis.suspects import everybody
 from filter.diagnosis.told import in_one_order, without_all, without_robots, without_ties
 from filter.geometry.polygon import SIDES
 from filter.linear.constraints import WORLD
+from filter.sets.belief import Alternatives as Cases
 from filter.sets.belief import Diagnosis, Tried
 
 PROVABLE = "certificates of a run"  # and what is wrong with it
+NO_CASES = Cases(0.0, ())
 
 
 class Alternatives:
-    """Tells of each step what there is to prove in doubts.
+    """Tells of each step what there is to prove in doubts, and in cases of who lies.
 
     Attributes:
-        is_in_doubt: Whether the last step was in doubt, or was the end of a doubt.
+        is_in_doubt: Whether the last step was in doubt, or was the end of a doubt; or there are cases of who lies.
     """
 
     def __init__(self, team: Team) -> None:
@@ -40,6 +43,9 @@ class Alternatives:
     def of(self, step: Step[Belief]) -> list[dict[str, Any]]:
         """Return the records of a step; raises `InvalidInput` where there are no certificates of it."""
         belief, before = step.belief, step.predicted
+        if belief.guarantee.tolerating and belief.votes is None:
+            self.is_in_doubt = True
+            return _of_cases(step, self._team.landmarks)
         if before.diagnosis and not all(one.parent for one in before.diagnosis.tried):
             raise InvalidInput(f"{PROVABLE} in which doubts begin with what is measured", "one that begins with a motion")
         self._recent = [*self._recent, Frame(step.frame.time, None, _heard(step, self._team.robots))][-MEMORY:]
@@ -134,12 +140,47 @@ def _heard(step: Step[Belief], robots: int) -> tuple[Measurement, ...]:
     return without_robots(_unheard(step), without_ties(apart, robots, kept))
 
 
+def _of_cases(step: Step[Belief], landmarks: Array) -> list[dict[str, Any]]:
+    """Return what is proved in each case of who lies, and before that how those of the window before have become one."""
+    known, before = step.belief.alternatives or NO_CASES, step.predicted.alternatives or NO_CASES
+    if any(one.end and not one.end[1] for one in known.tried) or (not before.united and any(one.end for one in before.tried)):
+        raise InvalidInput(f"{PROVABLE} in which no case of who lies ends by a motion, or without a proof", "one that does")
+    if not known.tried or _has_doubted(step.belief.diagnosis or Diagnosis()):
+        raise InvalidInput(f"{PROVABLE} in which nothing is in doubt where lies are tolerated by cases", "a doubt")
+    found = [_of_union(before, before.united, landmarks)] if before.united else []
+    for one in known.tried:
+        headings, lines = of_evidence(*one.end, landmarks) if one.end else proved(one.beliefs[0], landmarks)
+        found.append({"lying": _who(one), "headings": headings, "lines": lines})
+    return found
+
+
+def _has_doubted(known: Diagnosis) -> bool:
+    """Return whether something is in doubt, or has been."""
+    return bool(known.hypotheses or known.aside or known.suspended or known.tried or known.left)
+
+
+def _of_union(before: Cases, united: Belief, landmarks: Array) -> dict[str, Any]:
+    """Return what cases say of pairs that become one, and what of all of them goes on."""
+    pairs = [
+        {"lying": _who(one), "lines": of_evidence(united.time, one.beliefs[0].proofs, landmarks)[1]} for one in before.tried
+    ]
+    if len(pairs) == 1:
+        return {"united": pairs, "headings": [], "lines": [], "slices": []}
+    robots = np.unique(united.slices.robot).tolist()
+    slices = [{"robot": robot, "slices": slice_records(united.slices.of(robot))} for robot in robots]
+    return {"united": pairs, **_cover(united), "slices": slices}
+
+
+def _who(one: Tried) -> list[list[Any]]:
+    return [list(suspect.who) for suspect in one.suspects]
+
+
 def _cover(belief: Belief) -> dict[str, Any]:
-    """Return what is known in all of some alternatives: rows, sides of boxes, arcs."""
+    """Return what is known in all of some alternatives: rows, also on pairs, sides of boxes, arcs."""
     rows, (lower, upper) = belief.constraints, (belief.polytope.lower, belief.polytope.upper)
     robots, sides = np.arange(len(lower)), np.concatenate([upper, -lower], axis=1).ravel()
     boxes = _edges(belief.time, np.repeat(robots, len(SIDES)), np.tile(SIDES, (len(robots), 1)), sides)
-    edges = _edges(belief.time, rows.j, rows.normal, rows.offset)
+    edges = _edges(belief.time, rows.j, rows.normal, rows.offset, rows.i)
     return {"headings": _arcs(belief), "lines": [*boxes, *edges]}
 
 
@@ -156,10 +197,12 @@ def _arcs(belief: Belief) -> list[dict[str, Any]]:
     return [{"version": VERSION, "t": belief.time.hex(), **arcs, "lines": []}]
 
 
-def _edges(time: float, robots: Integers, normals: Array, offsets: Array) -> list[dict[str, Any]]:
-    """Return edges (k) of robots as lines without proofs of their own."""
-    stamp = {"version": VERSION, "t": time.hex()}
+def _edges(
+    time: float, robots: Integers, normals: Array, offsets: Array, seen_from: Integers | None = None
+) -> list[dict[str, Any]]:
+    """Return edges (k) of robots, or of pairs as seen from others, as lines without proofs of their own."""
+    stamp, begin = {"version": VERSION, "t": time.hex()}, np.full(len(robots), WORLD) if seen_from is None else seen_from
     return [
-        {**stamp, "robot": robot, "from": WORLD, "normal": hexadecimal(normal), "offset": offset.hex()}
-        for robot, normal, offset in zip(robots.tolist(), normals, offsets.tolist(), strict=True)
+        {**stamp, "robot": robot, "from": other, "normal": hexadecimal(normal), "offset": offset.hex()}
+        for robot, other, normal, offset in zip(robots.tolist(), begin.tolist(), normals, offsets.tolist(), strict=True)
     ]

@@ -101,7 +101,7 @@ class Chain(Known):
     def _check_cases(self, line: Record) -> None:
         robot = line["robot"]
         if roots := slices_in(line, "roots"):
-            check_roots(roots, self._slices_of(robot))
+            check_roots(roots, self.slices_of(robot))
         left = check_cases(line, self._instants[-1], roots)
         if left is None or are_apart(self._looks[robot], left):
             self._is_torn = True
@@ -200,7 +200,7 @@ class Chain(Known):
         self._seen.add(key)
         offset, normal, pair = exact(row["offset"]), unit_normal(row["normal"]), (row["i"], row["j"])
         now, kind, time = len(self._proved) - 1, source["kind"], float(exact(source["t"]))
-        link = self._of_edges(pair, normal, offset, self._number(time) if kind in ("region", "cells") else now - 1)
+        link = self._of_edges(pair, normal, offset, self._number(time) if kind in ("region", "cells", "pair") else now - 1)
         if link is None and row["i"] < 0:
             start = self._begun(row["j"], normal)
             link = "rows of initial sets" if start is not None and start <= offset else None

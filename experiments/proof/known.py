@@ -7,10 +7,10 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Self
 
-from experiments.proof.cases.slices import Slice, TakenAlong
+from experiments.proof.cases.slices import DIRECTIONS, Slice, TakenAlong
 from experiments.proof.cases.votes import Poll, Windows
-from experiments.proof.edges import Edges, all_edges, through_corner
-from experiments.proof.exact import Arc, Vector
+from experiments.proof.edges import WORLD, Edges, all_edges, through_corner
+from experiments.proof.exact import Arc, Vector, steps
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.measured import Instant
@@ -73,12 +73,12 @@ class Known:
         other._ended, other._grown = dict(self._ended), dict(self._grown) if is_now else {}
         return other
 
-    def begun(self, headings: Sequence[Arc], edges: Edges) -> Self:
-        """Return one of which at the last frame that is known, and nothing else."""
+    def begun(self, headings: Sequence[Arc], edges: Edges, slices: Told | None = None) -> Self:
+        """Return one of which at the last frame that is known, and slices, and nothing else."""
         other, now = self.branch(self.frames), self.frames - 1
         nothing = Frame(self._instants[now].frame.time)
         other._instants[now] = Instant(self._log, nothing, headings, Sides(self._log.robots, self._log.landmarks), edges)
-        other._proved[now], other.shown, other._slices, other._placed = edges, edges, {}, [now] * self._log.robots
+        other._proved[now], other.shown, other._slices, other._placed = edges, edges, slices or {}, [now] * self._log.robots
         other._since = self.frames
         return other
 
@@ -126,9 +126,15 @@ class Known:
         self._seen, self._looks, self._told = set(), list(self.headings), ([], [])
         return frame
 
-    def _slices_of(self, robot: int) -> list[Slice]:
+    def slices_of(self, robot: int) -> list[Slice]:
         """Return the slices of a robot's poses that were told last, as they are now; none if there are none."""
         return self._now(robot, self._slices[robot]) if robot in self._slices else []
+
+    def around(self, robot: int) -> list[Slice]:
+        """Return one slice around the poses of a robot, as shown in this step; none if its edges are not around it."""
+        edges = self.shown.get((WORLD, robot), {})
+        reach = [through_corner(edges, normal) for normal in DIRECTIONS]
+        return [] if None in reach else [Slice(self.headings[robot], [steps(far) for far in reach if far is not None])]
 
     def _now(self, robot: int, told: TakenAlong) -> list[Slice]:
         """Return slices of a robot's poses as they are now."""

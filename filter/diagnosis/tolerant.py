@@ -104,7 +104,8 @@ class TolerantFilter(VotingFilter):
         if known is None or (self.tolerance is not None and time - known.since < self.tolerance.window):
             return belief
         together, proofs = united([one.belief for one in known.each], self._seen_from, self.slices)
-        together = replace(together, guarantee=belief.guarantee)
+        kept = self._pruned(together.polytope)
+        together = replace(together, polytope=kept, guarantee=belief.guarantee).compact()
         why = ((proof,) for proof in proofs) if proofs else ((),) * len(known.each)
         tried = (Tried("", "", one.lying, (replace(one.belief, proofs=of),)) for one, of in zip(known.each, why, strict=True))
         alone = Alternatives(since, (Alternative((), together),), tried=tuple(tried), united=together)

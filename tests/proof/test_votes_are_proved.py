@@ -226,4 +226,4 @@ def test_votes_prove_nothing_of_another_tolerance(run, tmp_path, capsys, told):
     copy = shutil.copytree(run, tmp_path / "copy")
     summary_with(copy, tolerated=told)
     assert prove.main([str(copy)]) == 1
-    assert "summary.json: " in capsys.readouterr().out
+    assert "not proved: " in capsys.readouterr().out

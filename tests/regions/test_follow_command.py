@@ -233,10 +233,6 @@ REFUSED = {
     "a tolerance": (["--filter", "ekf", "--tolerate", "1"], "--filter sets or robust, which have --tolerate"),
     "lies of nobody": (["--lies", "long"], "a --tolerate above 0"),
     "fewer than nobody": (["--tolerate", "-1"], "q, suspects that lie"),
-    "proofs of a tolerance": (
-        ["--tolerate", "1", "--certificates"],
-        "--tolerate 0, or --suspects identities, for --certificates",
-    ),
 }
 
 

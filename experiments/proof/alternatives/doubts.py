@@ -7,10 +7,11 @@ the cover.
 """
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 
+from experiments.proof.alternatives.cover import Cover, covered
 from experiments.proof.alternatives.wrong import (
     NOBODY,
     Wrong,
@@ -23,8 +24,6 @@ from experiments.proof.alternatives.wrong import (
     wrong_in,
 )
 from experiments.proof.chain import Chain, Placed
-from experiments.proof.edges import WORLD, Edges, add, through_corner, unit_normal
-from experiments.proof.exact import Arc, claimed
 from experiments.proof.given.frame import Frame
 from experiments.proof.given.log import Log
 from experiments.proof.reading import Broken, Record, body, exact, located
@@ -54,14 +53,6 @@ class Alternative:
     is_over: bool = False
 
 
-@dataclass(frozen=True)
-class Cover:
-    """What is said of the robots' headings, and edges around each of them."""
-
-    headings: Sequence[Arc]
-    shown: Edges
-
-
 class Doubts:
     """Checks one step after the other, in doubt or not.
 
@@ -79,6 +70,16 @@ class Doubts:
         self._log, self._heard, self._aside = log, list[Frame](), list[Wrong]()
         self._living = dict[str, Alternative]()
 
+    @property
+    def links(self) -> Counter[str]:
+        """How many links of each kind were proved in this process's share."""
+        return self.main.links
+
+    def on_trust(self) -> Counter[str]:
+        """Return in words what the rest follows from, besides the bounds, and how many suspects or windows there are."""
+        windows = self.main.windows
+        return self.assumed + Counter({f"on trust: {windows}": windows.count})
+
     def check(self, headings: Sequence[Placed], lines: Sequence[Placed], told: Sequence[Placed]) -> Cover:
         """Check the next step, with what is told of alternatives; return what is said, which holds in each of them.
 
@@ -91,7 +92,7 @@ class Doubts:
         if self._living or any(INSTANTS in record for _, record in told):
             with located(f"in doubt at t = {frame.time} s"):
                 self._go_on(told)
-                cover = self._covered(headings, lines, list(self._living.values()))
+                cover = covered(headings, lines, self._chains(self._living.values()), is_mine=self._share.has_next())
         else:
             self.main.check(headings, lines, frame)
             if self.main.is_empty:
@@ -248,8 +249,11 @@ class Doubts:
     def _together(self, record: Record, some: Sequence[Alternative]) -> Chain:
         """Return what goes on from some alternatives, of what is said in a record and nothing else, as that holds in each."""
         own, lines = ([("", one) for one in record[each]] for each in ("headings", "lines"))
-        cover = self._covered(own, lines, some)
+        cover = covered(own, lines, self._chains(some), is_mine=self._share.has_next())
         return some[0].chain.begun(cover.headings, cover.shown)
+
+    def _chains(self, some: Iterable[Alternative]) -> list[Chain]:
+        return [each.chain for each in some]
 
     def _add(self, record: Record, each: Alternative) -> None:
         if record["name"] in self._living:
@@ -275,28 +279,6 @@ class Doubts:
         if aside:
             since = f"from t = {self._heard[-1].time} s on"
             self.assumed[f"on trust: {since} nothing is wrong but: {self._words(aside)}"] += len(aside)
-
-    def _covered(self, headings: Sequence[Placed], lines: Sequence[Placed], some: Sequence[Alternative]) -> Cover:
-        """Check that arcs are around those of some alternatives, and each edge is outside two edges of each; return these."""
-        ((place, record),), edges, is_mine = headings, Edges(), self._share.has_next()
-        with located(place):
-            arcs = [claimed(*each) for each in zip(record["centre"], record["bound"], strict=True)]
-            for each in some if is_mine else ():
-                if not all(arc.covers(one) for arc, one in zip(arcs, each.chain.headings, strict=True)):
-                    raise Broken("a heading of the cover is narrower than that of an alternative")
-        for place, line in lines:
-            with located(place):
-                pair = (WORLD, body(line["robot"], len(arcs)))
-                normal, offset = unit_normal(line["normal"]), exact(line["offset"])
-                for each in some if is_mine else ():
-                    proved = each.chain.edges.get(pair, {}).get(normal)
-                    if proved is None or proved > offset:
-                        proved = through_corner(each.chain.shown.get(pair, {}), normal, offset)
-                    if proved is None or proved > offset:
-                        far = "no edges" if proved is None else f"edges {float(proved - offset):.3g} m farther out"
-                        raise Broken(f"an edge of the cover, where an alternative has {far}")
-                add(edges, pair, normal, offset)
-        return Cover(arcs, edges)
 
     def _words(self, some: Collection[Wrong]) -> str:
         return ", ".join(words(self._log, each) for each in sorted(some))

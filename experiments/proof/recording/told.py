@@ -11,7 +11,7 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from experiments.proof.alternatives.doubts import Cover
+from experiments.proof.alternatives.cover import Cover
 from experiments.proof.edges import WORLD
 from experiments.proof.exact import Arc, unit
 from experiments.proof.given.frame import Frame

@@ -79,12 +79,12 @@ def sliced(tmp_path_factory):
 forged = Forgeries()
 
 
-@forged("cases, where there are more", ALTERNATIVES)
+@forged("cases, where there are", ALTERNATIVES)
 def a_case_that_is_left_out(lines):
     del lines[1]
 
 
-@forged("cases, where there are more", ALTERNATIVES)
+@forged("cases, where there are", ALTERNATIVES)
 def a_case_that_ends_without_a_proof(lines):
     lines.remove(next(line for line in lines if line["t"] == lines[-1]["t"]))
 
@@ -179,13 +179,19 @@ def test_slices_that_are_less_are_refused(sliced, tmp_path, capsys):
     )
 
 
+def test_that_a_range_is_too_long_is_no_reason_to_use_its_near_side(tmp_path, capsys):
+    copy = tolerated(tmp_path, 4, "--lies", "long", lies=False, robots=1, steps=2)
+    capsys.readouterr()
+    check_refused(copy, Forgery(a_case_that_hears_who_lies_in_it, "not proved", ALTERNATIVES, None), capsys)
+
+
 @pytest.mark.parametrize(
     ("told", "why"),
     [
         (Tolerance(1, 0.5, "pairs"), "a window that began"),
-        (Tolerance(2, WINDOW, "pairs"), "cases, where there are more"),
+        (Tolerance(2, WINDOW, "pairs"), "cases, where there are"),
         (Tolerance(1, WINDOW, "bodies"), "a case that there is not"),
-        (Tolerance(1, WINDOW, ("pairs", "compasses")), "cases, where there are more"),
+        (Tolerance(1, WINDOW, ("pairs", "compasses")), "cases, where there are"),
         (Tolerance(1, WINDOW, "identities"), "a doubt"),
         ("", "not as it should be"),
         (f"{Tolerance(1, WINDOW, 'pairs')} or anything", "what can be tolerated"),

@@ -213,7 +213,7 @@ def test_the_checker_uses_the_standard_library_alone():
         assert ours <= {f"experiments.{one}" for one in CHECKER}
         assert {module.split(".")[0] for module in set(modules) - ours} <= sys.stdlib_module_names
     assert len(CHECKER) > 8
-    assert sum(len((ROOT / f"experiments/{name.replace('.', '/')}.py").read_text().splitlines()) for name in CHECKER) < 4650
+    assert sum(len((ROOT / f"experiments/{name.replace('.', '/')}.py").read_text().splitlines()) for name in CHECKER) < 4950
 
 
 def test_the_same_run_gives_the_same_certificates(tmp_path):

@@ -43,16 +43,16 @@ class Alternatives:
     def of(self, step: Step[Belief]) -> list[dict[str, Any]]:
         """Return the records of a step; raises `InvalidInput` where there are no certificates of it."""
         belief, before = step.belief, step.predicted
-        if belief.guarantee.tolerating and belief.votes is None:
+        known = belief.diagnosis or Diagnosis()
+        if belief.guarantee.tolerating and (_has_doubted(known) or _restarts(step)):
+            raise InvalidInput(f"{PROVABLE} in which nothing is in doubt where lies are tolerated", "a doubt")
+        if belief.alternatives is not None:
             self.is_in_doubt = True
             return _of_cases(step, self._team.landmarks)
         if before.diagnosis and not all(one.parent for one in before.diagnosis.tried):
             raise InvalidInput(f"{PROVABLE} in which doubts begin with what is measured", "one that begins with a motion")
         self._recent = [*self._recent, Frame(step.frame.time, None, _heard(step, self._team.robots))][-MEMORY:]
-        known = belief.diagnosis or Diagnosis()
         self.is_in_doubt = bool(known.tried)
-        if before.votes is not None and (known.tried or _restarts(step)):
-            raise InvalidInput(f"{PROVABLE} in which nothing is in doubt where there are votes", "a doubt")
         self._look_at(belief, known.tried)
         found = self._of_restarts(step) + [self._of_tried(one) for one in known.tried]
         united = [each for each in (*known.hypotheses, *([known.left] if known.left else [])) if each.unites]
@@ -145,8 +145,8 @@ def _of_cases(step: Step[Belief], landmarks: Array) -> list[dict[str, Any]]:
     known, before = step.belief.alternatives or NO_CASES, step.predicted.alternatives or NO_CASES
     if any(one.end and not one.end[1] for one in known.tried) or (not before.united and any(one.end for one in before.tried)):
         raise InvalidInput(f"{PROVABLE} in which no case of who lies ends by a motion, or without a proof", "one that does")
-    if not known.tried or _has_doubted(step.belief.diagnosis or Diagnosis()):
-        raise InvalidInput(f"{PROVABLE} in which nothing is in doubt where lies are tolerated by cases", "a doubt")
+    if not known.tried:
+        raise InvalidInput(f"{PROVABLE} that takes a step for each instant", "several at once")
     found = [_of_union(before, before.united, landmarks)] if before.united else []
     for one in known.tried:
         headings, lines = of_evidence(*one.end, landmarks) if one.end else proved(one.beliefs[0], landmarks)

@@ -189,7 +189,7 @@ def test_there_are_no_certificates_where_more_is_wrong_than_is_tolerated(tmp_pat
     world = World(np.random.default_rng(4), 1, 6, 5.0, sight=9.0)
     filter_ = going_on(world.team, tolerance=Tolerance(1, 99.0, "identities"))
     before = filter_.start(0.0, world.initial_sets(), world.initial_headings(0.3))
-    with Certificates(tmp_path, world.team) as file, pytest.raises(InvalidInput, match="where there are votes"):
+    with Certificates(tmp_path, world.team) as file, pytest.raises(InvalidInput, match="where lies are tolerated"):
         for k in range(4):
             motion = world.tour() if k else None
             frame = Frame(world.time, motion, tuple(world.measure()))
